@@ -79,17 +79,20 @@ def _alternating(contact, state, traction):
     half, grid, found = state.half, contact.grid, 0.0
     halved = half is not None and min(half.extents) > REACH + 1
     every, fields = (half, traction) if halved else (state.window, state.unfolded(traction))
-    for i, component in enumerate(fields):
-        boxes = every.box(component).reshape(len(every.parts), *every.parts[0].shape)
-        largest = max(grid.maximum(np.abs(component), initial=0.0), TRACTIONLESS)
-        for axis, closed in enumerate(every.parts[0].closed, start=1):
-            # beyond a window the law does not act
-            sign = 0 if not halved else half.parities[i][axis - 1] if half.parities else 1
-            alternation = contact.kernels.alternation
-            aside = (across_rows(every.parts[0], boxes, sign, alternation)
-                     if grid.shared and axis == 1 else
-                     grid.largest(alternation(boxes, axis, sign, closed)))
-            found = max(found, aside / largest)
+    parts, alternation = every.parts, contact.kernels.alternation
+    largest = grid.largest(np.maximum(np.max(fields, axis=1, initial=0.0),
+                                      -np.min(fields, axis=1, initial=0.0)))
+    fields /= np.maximum(largest, TRACTIONLESS)[:, None]
+    # beyond a window the law does not act; components that are alike are asked for together
+    parities = half.parities if halved else None
+    together = ([(fields, (int(halved),) * len(every.shape))] if parities is None
+                else zip(fields[:, None], parities))
+    for values, signs in together:
+        boxes = every.box(values).reshape(len(values) * len(parts), *parts[0].shape)
+        for axis, (closed, sign) in enumerate(zip(parts[0].closed, signs), start=1):
+            aside = (across_rows(parts[0], boxes, sign, alternation) if grid.shared and axis == 1
+                     else grid.largest(alternation(boxes, axis, sign, closed)))
+            found = max(found, aside)
     return float(found)
 
 
