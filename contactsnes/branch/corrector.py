@@ -152,7 +152,7 @@ class Corrector:
             kept = None
             self.release()  # the old one's memory is the new one's
             self.form = kind(self.contact, *(() if kind.whole_cell else (guess.window,)),
-                             controls, *([parities] if parities else []))
+                             controls, *([parities, guess.half] if parities else []))
             self.snes = create_snes(self.form, self.prefix, self.tolerance,
                                     pays(self.form, self.settings.linear_precision))
             self.patience.watch(self.snes, self.contact)

@@ -1,7 +1,5 @@
 """What continuation asks of states: their combinations, and how far they are from each other."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from ..contact import acceptance, states
@@ -25,8 +23,8 @@ class Neighbours:
         displacements, forces = (np.append(values, np.zeros(len(controls)))[:len(controls)]
                                  for values in (point.displacements, point.forces))
         state = self.symmetry.checked(states.with_components(point.state, len(controls)))
-        return replace(point, state=state, controls=controls, load=load,
-                       displacements=displacements, forces=forces)
+        return point.changed(state=state, controls=controls, load=load,
+                             displacements=displacements, forces=forces)
 
     def extrapolate(self, points, weights):
         """Weighted sum of states at fixed places."""

@@ -192,8 +192,9 @@ class Tracer(Corrector, Neighbours, Ends):
         begin = state.normal if half is None else state.once[0]
         gap = begin + self.contact.gap_on(half or form.window)
         away = field[0] - begin
-        for values in zip(*(np.array_split(each, 1 + len(gap) // PART) for each in (gap, away))):
-            values[1][...] = law.regularised_step(*values, law.moving_stiffness)
+        for first in range(0, len(gap), PART):
+            part = slice(first, first + PART)
+            away[part] = law.regularised_step(gap[part], away[part], law.moving_stiffness)
         np.add(begin, away, out=field[0])
         if half is None:
             return states.State(form.window, field, means, state.half)

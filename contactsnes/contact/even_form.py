@@ -49,6 +49,7 @@ class EvenForm:
     contact, window, controls : as those of `forms.DisplacementForm`, the window centred
     parities : for each component and direction 1 (even) or -1 (odd); None: as the body has them
         without loads along the surface
+    even : EvenWindow of the window with these, if there is one
 
     Attributes
     ----------
@@ -60,10 +61,10 @@ class EvenForm:
     in_displacements, whole_cell, even, has_single = True, False, True, True
     linear_tolerance = DisplacementForm.linear_tolerance
 
-    def __init__(self, contact, window, controls, parities=None):
+    def __init__(self, contact, window, controls, parities=None, even=None):
         count = len(controls)
         self.parities = parities or parities_of(contact.operator(count), count)
-        even = halved(window, self.parities)
+        even = halved(window, self.parities) if even is None else even
         self.half = half = HalfForm(contact, even, controls)
         self.contact = contact
         self.window = window
@@ -104,12 +105,14 @@ class EvenForm:
     @property
     def evaluations(self):
         """Number of residuals evaluated so far."""
-        return self.half.evaluations + (self.kernel.structure.evaluations if self.kernel else 0)
+        own, half = self.kernel, self.half
+        return half._evaluations + own.structure.evaluations if own else half.evaluations
 
     @property
     def products(self):
         """Number of products with the Jacobian so far."""
-        return self.half.products + (self.kernel.structure.products if self.kernel else 0)
+        own, half = self.kernel, self.half
+        return half._products + own.structure.products if own else half.products
 
     def set_load(self, load):
         """Set the controlled values."""

@@ -165,14 +165,15 @@ def covers(contact, state, closest=None):
 
 
 def with_components(state, components):
-    """The state with tangential displacements added (as zeros) or left out."""
-    present = state.components
-    if present == components:
+    """The state with tangential displacements added (zeros, even and odd alike) or left out."""
+    if state.components == components:
         return state
-    displacement, means = np.zeros((components, state.window.size)), np.zeros(components)
-    kept = min(present, components)
-    displacement[:kept], means[:kept] = state.displacement[:kept], state.means[:kept]
-    return State(state.window, displacement, means)
+    nodes = state.window if state.half is None or state.half.parities else state.half
+    displacement, means = np.zeros((components, nodes.size)), np.zeros(components)
+    known = state.once if nodes.even else state.displacement
+    for kept, values in ((displacement, known), (means, state.means)):
+        kept[:len(values)] = values[:components]
+    return spread(nodes, displacement, means)
 
 
 def combined(contact, states, weights):

@@ -66,7 +66,7 @@ class LoadSteps:
         self.system, self.leg = system, leg
         # What was stable under other controls may not be under these.
         self.history = [(place, system.adapted(point if point.controls == leg.controls
-                                               else replace(point, stable=-1), leg.controls,
+                                               else point.changed(stable=-1), leg.controls,
                                                leg.load(place))) for place, point in history]
         self.predictor, self.at_fold = predictor, at_fold
         self.certify, self.at_bifurcation = certify, at_bifurcation

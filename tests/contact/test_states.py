@@ -8,7 +8,9 @@ from contactsnes import Branch, Load
 from contactsnes.contact import edges as following
 from contactsnes.contact import fronts, states
 from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact
+from contactsnes.contact.state import Mirrored
 from contactsnes.continuation.points import lagrange_weights
+from contactsnes.grid.even import EvenWindow
 from contactsnes.grid.windows import Window
 from contactsnes.interface.laws import Law
 from contactsnes.scene.settings import Scene, Steps
@@ -136,6 +138,21 @@ def test_components_are_added_as_zeros_and_left_out():
     back = states.with_components(sheared, 1)
     np.testing.assert_array_equal(back.displacement, state.displacement)
     np.testing.assert_array_equal(back.means, state.means)
+
+
+@pytest.mark.parametrize("signs", [None, ((-1,),)])
+def test_components_are_added_to_half_a_state(signs):
+    """What is even in all components stays known by its half: zeros are even, too."""
+    contact = line()
+    half = EvenWindow(Window(contact.grid, (200,), (112,)), signs)
+    once = np.random.default_rng(2).normal(size=(1, half.size))
+    state = Mirrored.of(half, once, np.ones(1))
+    sheared = states.with_components(state, 2)
+    assert (sheared.half == half) == (signs is None)
+    np.testing.assert_array_equal(sheared.displacement, [state.displacement[0], np.zeros(112)])
+    np.testing.assert_array_equal(sheared.means, [1.0, 0.0])
+    back = states.with_components(sheared, 1)
+    np.testing.assert_array_equal(back.displacement, state.displacement)
 
 
 # Change of window
