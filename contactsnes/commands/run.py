@@ -38,6 +38,9 @@ BAD_OPTIONS = {56, 57, 62, 63, 65, 75, 83, 86, 92, 95}
 """PETSc's error codes of what a user asked for: no support, wrong argument, missing file, arguments
 that do not fit, unknown type, no factorisation."""
 
+NAMES = 1024
+"""Bytes of a state besides its numbers."""
+
 
 class Run:
     """One run: branch, archive and progress, and what to say when it is over."""
@@ -86,6 +89,9 @@ class Run:
                    "fields": output.fields, "precision": output.precision,
                    "components": scene.components,
                    "warnings": self.warnings}
+        if scene.dimension == 1:
+            # A byte a number: an eighth of what windows as wide as the line would take.
+            content["state"] = NAMES + scene.components * self.branch.contact.grid.size
         if output.fields != "none":
             content |= (observables.frame(self.branch.contact)
                         | {"modes": self.branch.steps.keeps_modes})

@@ -62,6 +62,7 @@ class Archive:
         the path is done
     compliance : (circle, blocks), optional: displacement and traction are kept on the nodes where
         the law acts, `active.ActiveFields`
+    state : int, bytes that the state of a first point may have, as far as that is known
 
     Attributes
     ----------
@@ -73,13 +74,13 @@ class Archive:
 
     def __init__(self, path, *, scene, options, versions, columns, fields="none", coordinates=None,
                  components=1, initial_gap=None, modes=False, units=None, warnings=(),
-                 precision="double", compliance=None):
+                 precision="double", compliance=None, state=0):
         self._layout = Layout(columns, fields, coordinates, components, initial_gap, modes, units,
                               precision, compliance)
         self.path = resolved(path)
         self.complete = False
         self.runs = []
-        self._first = 0  # point of this run
+        self._first, self._expected = 0, state  # point of this run
         self._warnings = "\n".join(warnings)
         self._options = options
         self._versions = "\n".join(f"{name} {value}" for name, value in versions.items())
@@ -114,7 +115,7 @@ class Archive:
         """
         archive = cls(path, **content)
         check_new(archive.path, overwrite)
-        archive._store.commit(lambda file: None)
+        archive._store.commit(lambda file: None, BATCH, archive._expected)
         archive._journal.remove()
         return archive
 

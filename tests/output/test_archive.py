@@ -742,6 +742,21 @@ def test_a_batch_is_written_at_once_and_leaves_no_journal(tmp_path, monkeypatch)
     assert os.listdir(tmp_path) == ["run.h5"]
 
 
+def test_a_file_is_written_anew_only_where_states_are_larger_than_foreseen(tmp_path, monkeypatch):
+    for state, times in ((0, 2), (4096, 1)):
+        made = []
+        with monkeypatch.context() as patch:
+            anew = store.Store._write_anew
+            patch.setattr(store.Store, "_write_anew",
+                          lambda *arguments: made.append(anew(*arguments)))
+            patch.setattr(writing, "BATCH", 64)
+            archive = Archive.create(tmp_path / f"{state}.h5", **content(state=state))
+            append(archive, 100)
+            archive.finish()
+        assert len(made) == times
+        assert read(archive.path).points == 100 and len(archive.states()) == 4
+
+
 def test_slow_points_and_large_ones_do_not_wait(tmp_path, monkeypatch):
     for name, value in (("SECONDS", 0.0), ("LARGE", 100)):
         with monkeypatch.context() as patch:
