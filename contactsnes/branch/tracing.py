@@ -168,11 +168,10 @@ class Tracer(Corrector, Neighbours, Ends):
             # The mean displacement belonged to another gap than this: it is balanced anew, where
             # the law acts.
             moved = form.packed(ahead)
-            aside = form.displacement(form.residual(moved, np.empty(form.size)))
-            near = states.normal_gap(self.contact, state) < states.NEAR
-            moved[form.count:] += form.grid.held(
-                self.contact.grid.sum(aside[form.forced][:, near])
-                / max(self.contact.grid.count(near), 1))
+            aside = form.once(form.residual(moved, np.empty(form.size)))[form.forced]
+            near = form.nodal(state)[0] + getattr(form, "half", form).initial_gap < states.NEAR
+            moved[form.count:] += form.grid.held(form.grid.sum(aside * near)
+                                                 / max(form.grid.count(near), 1))
             means[form.forced] = form.scalars(moved)
         return ahead
 

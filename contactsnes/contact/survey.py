@@ -80,8 +80,8 @@ def _alternating(contact, state, traction):
     halved = half is not None and min(half.extents) > REACH + 1
     every, fields = (half, traction) if halved else (state.window, state.unfolded(traction))
     parts, alternation = every.parts, contact.kernels.alternation
-    largest = grid.largest(np.maximum(np.max(fields, axis=1, initial=0.0),
-                                      -np.min(fields, axis=1, initial=0.0)))
+    largest = grid.largest(np.maximum(np.maximum.reduce(fields, axis=1, initial=0.0),
+                                      -np.minimum.reduce(fields, axis=1, initial=0.0)))
     fields /= np.maximum(largest, TRACTIONLESS)[:, None]
     # beyond a window the law does not act; components that are alike are asked for together
     parities = half.parities if halved else None

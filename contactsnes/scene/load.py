@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import ClassVar, NamedTuple
 
 from ..options.fields import (
@@ -49,6 +50,7 @@ class TypedLeg:
     controls: Mapping[int, Control]
 
 
+@cache
 def quantities(dimension):
     """Name -> Quantity of the controllable quantities: normal before tangential, displacement
     before force."""
@@ -70,6 +72,7 @@ def units(scene):
             for control in ("displacement", "force")}
 
 
+@cache
 def names(dimension):
     """(component, control) -> name of the controllable quantities."""
     return {(quantity.component, quantity.control): name
