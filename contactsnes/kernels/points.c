@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { SOME = 256, LANES = 8 }; /* nodes at a time, and numbers side by side */
+enum { SOME = 256, LANES = 8, FEW = 8 }; /* nodes at a time, numbers side by side, and places looked for */
 
 static double greater(double a, double b)
 {
@@ -478,6 +478,42 @@ long crossings(long count, const double *values, double level, long most, double
         found++;
     }
     return found;
+}
+
+/* Where the only crossing of a level is, upwards if it has to be, within (0, end] nodes from the middle of an
+   even line whose values (count, at least 3) stand from there outwards behind room for two more; 0 where
+   there is none, or several. */
+static double only_crossing(long count, double *values, double level, double end, int upwards)
+{
+    double places[FEW], signs[FEW], found = 0.0;
+    values[0] = values[4]; /* which interpolation between the first two asks for */
+    values[1] = values[3];
+    const long all = crossings(count + 2, values, level, FEW, places, signs);
+    for (long k = 0; k < all && k < FEW; k++) {
+        const double place = places[k] - 2.0;
+        if (!(place > 0.0 && place <= end)) continue;
+        if (found > 0.0 || (upwards && signs[k] < 0.0)) return 0.0;
+        found = place;
+    }
+    return found;
+}
+
+/* reaches: of an even line, fields (m, nodes, at least 3) from its middle outwards, in nodes from there, the
+   end of contact, a slip front within it, and an end of pressure between these, `least` nodes from both; 0
+   where there is none, or several, and of what hangs on it. level, peak: gap of contact, and slip of the law's
+   peak; last: how far the line reaches; work: nodes + 2 numbers. */
+void reaches(long m, long nodes, const double *field, const double *initial_gap, double last, double level,
+             double peak, double least, double *work, double *reaches)
+{
+    double *gap = work + 2;
+    for (long k = 0; k < nodes; k++) gap[k] = field[k] + initial_gap[k];
+    const double end = only_crossing(nodes, work, level, last, 1);
+    const double pressed = end > 0.0 && m > 1 ? only_crossing(nodes, work, 0.0, last, 0) : 0.0;
+    for (long k = 0; k < nodes && end > 0.0 && m > 1; k++) gap[k] = fabs(field[nodes + k]);
+    const double front = end > 0.0 && m > 1 ? only_crossing(nodes, work, peak, nextafter(end, 0.0), 1) : 0.0;
+    reaches[0] = end;
+    reaches[1] = front;
+    reaches[2] = front > 0.0 && end - pressed > least && pressed - front > least ? pressed : 0.0;
 }
 
 enum { REACH = 4 }; /* of the eighth difference */

@@ -115,6 +115,23 @@ def crossings(values, level):
         room = count
 
 
+def reaches(field, initial_gap, last, level, peak, least):
+    """How far from the middle of an even line its end of contact, its slip front and its end of
+    pressure are, as of `contact.fronts`, in nodes, an array (3,); 0 where there is none.
+
+    Parameters
+    ----------
+    field, initial_gap : arrays (components, nodes) and (nodes), from the middle outwards
+    last : int, nodes from the middle to the end of the line
+    level, peak : normal gap of contact, and slip of the law's peak
+    least : nodes between an end of pressure and the others, at least
+    """
+    found, work = np.empty(3), np.empty(len(initial_gap) + 2)
+    shared().reaches(*field.shape, address(field), address(initial_gap), last, level, peak, least,
+                     address(work), address(found))
+    return found
+
+
 def alternation(boxes, axis, image=0, closed=False, beyond=0):
     """As `grid.alternation.alternation`.
 

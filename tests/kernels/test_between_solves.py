@@ -436,3 +436,27 @@ def test_extremes_of_a_change(components):
             given = (components, nodes), change, 0.3, counts, own, each
             np.testing.assert_allclose(points.extremes(*given), viscous._extremes(*given),
                                        rtol=1e-13)
+
+
+@compiled
+@pytest.mark.parametrize("components", [1, 2])
+@pytest.mark.parametrize("extent", [5, 40, 41, 128])
+def test_places_of_waves_on_halves_of_lines(extent, components):
+    """By the library as by NumPy, where levels are crossed in one place, in many, or in none."""
+    contact, numbers = Contact(EVEN["sheared line"][0]), np.random.default_rng(extent)
+    window = Window(contact.grid, (64 - extent // 2,), (extent,))
+    half = EvenWindow(window, ((1,), (-1,))[:components])
+    known = [0, 0, 0]
+    for waves in np.repeat([0.4, 0.7, 1.2, 3.0, 20.0], 60):
+        phase, shift, size = numbers.uniform(size=(3, components, 1)) * [[[1.5]], [[4.0]], [[8.0]]]
+        once = shift - size * np.cos(phase + np.pi * waves * np.arange(half.size) / half.size)
+        once[0] -= contact.gap_on(half)
+        even = state.Mirrored.of(half, once, np.zeros(components))
+        expected = fronts._one_by_one(contact, even)
+        for place, (one, other) in enumerate(zip(fronts._by_halves(contact, even), expected)):
+            assert (one is None) == (other is None)
+            if one is not None:
+                np.testing.assert_allclose(one, other, rtol=1e-14)
+                known[place] += 1
+    if extent > 5 and components > 1:
+        assert all(10 < count < 200 for count in known[:2]) and known[2] > 0
