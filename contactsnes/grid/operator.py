@@ -1,6 +1,7 @@
 """A circulant operator on the cell, by its symbols, and its kernels."""
 
 import math
+from itertools import product
 
 import numpy as np
 
@@ -72,15 +73,31 @@ class Operator:
         circle : points of the circle in each direction
         offset : nodes from the second box to the first in each direction
         """
-        lags = [np.arange(away, away + m) for m, away in zip(circle, offset)]
-        for lag, n, m, total in zip(lags, extents, circle, self.grid.shape):
-            if m < total:
-                lag[n:] -= m
-            lag %= total
-        plan = self._make(self.grid, circle, 1)
-        plan.real[0] = self.kernel(key)[np.ix_(*lags)]
-        for axis, (n, m, total) in enumerate(zip(extents, circle, self.grid.shape)):
-            if m < total:
-                np.moveaxis(plan.real[0], axis, 0)[n:m - n + 1] = 0.0
+        plan, kernel = self._make(self.grid, circle, 1), self.kernel(key)
+        plan.real[...] = 0.0
+        for runs in product(*map(_runs, extents, circle, offset, self.grid.shape)):
+            there, lags = zip(*runs)
+            plan.real[0][there] = kernel[lags]
         plan.forward()
         return plan.spectrum[0] / math.prod(circle)
+
+
+def _runs(extent, points, offset, total):
+    """Where lags between the nodes of two lines stand on a circle, and in a cell, slices for each
+    run of them.
+
+    Parameters
+    ----------
+    extent, points, offset, total : of one direction, as of `Operator.between`, and points of the
+        cell
+    """
+    # those backwards, then those forwards, which are all of them on the cell's own circle
+    parts = [(points - extent + 1, offset - extent + 1, extent - 1)] if points < total else []
+    found = []
+    for place, lag, left in (*parts, (0, offset, extent if parts else points)):
+        while left:
+            lag %= total
+            count = min(left, total - lag)
+            found.append((slice(place, place + count), slice(lag, lag + count)))
+            place, lag, left = place + count, lag + count, left - count
+    return found

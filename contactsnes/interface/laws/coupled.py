@@ -73,7 +73,7 @@ class Coupled(Law):
         no potential.
         """
         depth = np.minimum(normal_gap - self.deepest, 0.0)
-        if not np.any(depth):
+        if not depth.any():
             return 1.0 - (1.0 + normal_gap) * np.exp(-normal_gap)
         bounded = normal_gap - depth
         traction, slope = self.normal(bounded)
@@ -102,7 +102,7 @@ class Coupled(Law):
         coupled = gap[0] < self.range
         if self.decoupled_in_overlap:
             coupled &= gap[0] > 0.0
-        if np.any(slip[coupled] > 0.0):
+        if (coupled & (slip > 0.0)).any():
             return None
         return self.energy(gap[0]) - 1.0 + work_ratio * np.where(gap[0] < self.range,
                                                                  self.friction_energy(slip), 0.0)
