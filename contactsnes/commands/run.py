@@ -89,7 +89,7 @@ class Run:
                    "fields": output.fields, "precision": output.precision,
                    "components": scene.components,
                    "warnings": self.warnings}
-        if scene.dimension == 1:
+        if scene.dimension == 1 and output.fields != "all":
             # A byte a number: an eighth of what windows as wide as the line would take.
             content["state"] = NAMES + scene.components * self.branch.contact.grid.size
         if output.fields != "none":

@@ -62,7 +62,7 @@ class Archive:
         the path is done
     compliance : (circle, blocks), optional: displacement and traction are kept on the nodes where
         the law acts, `active.ActiveFields`
-    state : int, bytes that the state of a first point may have, as far as that is known
+    state : int, bytes of a first point's state as far as they are known, if not all have fields
 
     Attributes
     ----------

@@ -41,7 +41,9 @@ def put_attributes(item, attributes):
 
 
 def make_columns(branch, columns, chunk):
-    """Make columns without rows; names from the root -> attributes.
+    """Make columns without rows that count; names from the root -> attributes.
+
+    The room of the first rows is in the file at once: it has to be there before any row is.
 
     Parameters
     ----------
@@ -51,9 +53,10 @@ def make_columns(branch, columns, chunk):
     """
     import h5py
 
-    space = h5py.h5s.create_simple((0,), (h5py.h5s.UNLIMITED,))
+    space = h5py.h5s.create_simple((1,), (h5py.h5s.UNLIMITED,))
     plan, found = h5py.h5p.create(h5py.h5p.DATASET_CREATE), {}
     plan.set_chunk((chunk,))
+    plan.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
     plan.set_obj_track_times(False)
     for name, column in columns.items():
         kind = h5py.h5t.py_create(np.dtype(column.stored))

@@ -139,8 +139,8 @@ class Layout:
         if self.coordinates:
             self._make_grid(file.create_group("fields"), chunk)
         sums = 1 + self._sums
-        file.create_dataset("checksums", (0, sums), "u4", chunks=(chunk * CHUNKS, sums),
-                            maxshape=(None, sums))
+        file.create_dataset("checksums", (1, sums), "u4", chunks=(chunk * CHUNKS, sums),
+                            maxshape=(None, sums))[0] = 0
         return columns
 
     @property

@@ -548,12 +548,15 @@ class Recorder(io.BytesIO):
 @pytest.mark.parametrize("fields, points", [
     *itertools.product(["none", "last", "all", "active last", "active all", "parted last",
                         "parted all", "parted active all"], [3, 66]),
+    *itertools.product(["none", "last"], [0]),
     ("all", 65)])  # from 65 on two points share a chunk of the fields
 def test_every_prefix_of_the_changes_of_a_point_is_an_archive(tmp_path, monkeypatch, fields,
                                                               points):
     monkeypatch.setattr(parted, "BLOCK", 20)
     path, killed = tmp_path / "run.h5", tmp_path / "killed.h5"
-    archive = Archive.create(path, **fields_content(fields))
+    monkeypatch.setattr(writing, "BATCH", 64)
+    archive = Archive.create(path, **fields_content(fields, state=0 if points else 4096))
+    monkeypatch.setattr(writing, "BATCH", 1)
     append(archive, points)
     before = [path.read_bytes()]
     recorders = []
