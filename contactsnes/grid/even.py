@@ -270,7 +270,7 @@ class EvenWindow:
                   for cut, n in zip(part, self.full.extents)]
         found = self.box(values)[..., :1 + np.max(np.abs(places[-1]), initial=0)]
         for axis, (place, n) in enumerate(zip(places, self.full.extents)):
-            found = self._along(found, np.abs(place), axis)
+            found = self._along(found, place, axis)
             factor = np.sign(place)
             factor[place == -(n // 2)] *= not self.closed[axis]
             for field, signs in zip(found, self.parities or ()):
@@ -279,8 +279,14 @@ class EvenWindow:
         return found
 
     def _along(self, box, places, axis):
-        """Values of a box (components, *box) at places along an axis, as a copy."""
-        return box.take(places, axis=1 + axis)
+        """Values of a box (components, *box) along an axis at places one after the other, those
+        before the apex below 0, as a copy."""
+        before, across = np.count_nonzero(places < 0), (slice(None),) * (1 + axis)
+        start, count = max(places[0], 0) if len(places) else 0, len(places) - before
+        parts = [box[(*across, slice(start, start + count))]]
+        if before:
+            parts.insert(0, box[(*across, slice(-places[0], -places[0] - before, -1))])
+        return np.concatenate(parts, 1 + axis)
 
     def of(self, component):
         """The signs of a component in each direction; None where it is even in all."""

@@ -90,8 +90,8 @@ class SlabEven(EvenWindow):
         return found.reshape(*values.shape[:-1], self.full.size)
 
     def _along(self, box, places, axis):
-        """Values of a box (components, rows, columns) at places along an axis, as a copy."""
-        return super()._along(box, places, axis) if axis else self.rows.at(box, places)
+        """As `EvenWindow._along`."""
+        return super()._along(box, places, axis) if axis else self.rows.at(box, np.abs(places))
 
     def ringed(self, box):
         """A box (rows, columns) with the mirror images, or rows of others, around it: a row before

@@ -65,13 +65,15 @@ def followed(states, known, gaps, reach, weights, places, target):
     (components, nodes), parities = known[-1].shape, last.half.parities
     signs = np.array([sign for sign, in parities or ((1,),) * components], dtype=np.intc)
     begin, total = last.window.start[0], last.window.grid.shape[0]
-    lines = np.array([(len(field[0]), *state.window.extents, state.window.is_whole,
-                       (state.window.start[0] - begin + total // 2) % total - total // 2)
-                      for field, state in zip(fields, states)], dtype=np.intc)
+    lines = [(len(field[0]), *state.window.extents, state.window.is_whole,
+              (state.window.start[0] - begin + total // 2) % total - total // 2)
+             for field, state in zip(fields, states)]
+    longest = max(extent for _, extent, *_ in lines)
+    lines = np.array(lines, dtype=np.intc)
     weights, here, there = (np.array(numbers, dtype=float)
                             for numbers in (weights, places, target))
     found = np.empty((components, nodes))
-    work = np.empty(4 * (int(lines[:, 1].max()) + nodes) + 2 * components * nodes)
+    work = np.empty(4 * (longest + nodes) + 2 * components * nodes)
     beyond = shared().followed(components, nodes, len(states),
                                *(_each(arrays) for arrays in (known, fields, gaps)),
                                address(lines), address(signs), *last.window.extents, reach,
