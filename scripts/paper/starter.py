@@ -92,6 +92,11 @@ def become(arguments, folder, said, complaints):
         os.dup2(file, stream)
         os.close(file)
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+    follow(arguments, folder)
+
+
+def follow(arguments, folder):
+    """Run a program in this process and folder, whose streams are there."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
     os.chdir(folder)
     if arguments[0] == "-m":
@@ -109,13 +114,34 @@ def become_to_the_end(*command):
     except SystemExit as end:
         if not isinstance(end.code, int):
             raise
-        atexit._run_exitfuncs()
-        begun = sys.modules.get("petsc4py.PETSc")
-        if begun and begun.Sys.isInitialized():
-            begun._finalize()
-        for stream in (sys.stdout, sys.stderr):
-            stream.flush()
+        close()
         os._exit(end.code)
+
+
+def close():
+    """What Python does at its end, but for giving back what it holds."""
+    atexit._run_exitfuncs()
+    begun = sys.modules.get("petsc4py.PETSc")
+    if begun and begun.Sys.isInitialized():
+        begun._finalize()
+    for stream in (sys.stdout, sys.stderr):
+        stream.flush()
+
+
+def prepare(modules):
+    """Import what programs begin with, before any is started; PETSc, which begins in each."""
+    gc.disable()
+    from petsc4py.lib import ImportPETSc
+
+    petsc = ImportPETSc()
+    for name in modules:
+        importlib.import_module(name)
+
+    from contactsnes.kernels.choice import chosen
+
+    chosen()  # loads the library, and what FFTW has learned
+    gc.freeze()  # a collection that looks through all of this would copy it
+    return petsc
 
 
 def begin_mpi(petsc):
@@ -154,17 +180,10 @@ def serve(learn):
 if __name__ == "__main__":
     # an interruption is for the command
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    gc.disable()
-    from petsc4py.lib import ImportPETSc
-
-    end_mpi = begin_mpi(ImportPETSc())
-    for name in sys.argv[1:]:
-        importlib.import_module(name)
+    end_mpi = begin_mpi(prepare(sys.argv[1:]))
 
     from contactsnes.kernels.choice import chosen
 
-    chosen()  # loads the library, and what FFTW has learned
-    gc.freeze()  # a collection that looks through all of this would copy it
     command = serve(chosen)
     if command is not None:
         become_to_the_end(*command)

@@ -1,5 +1,11 @@
-"""Programs and the command in several processes of MPI, for tests."""
+"""Programs and the command in several processes of MPI, for tests.
 
+Most of them are forks of a process that has imported what they need, which takes a third of the
+time of a start; those of tests of how processes begin and end are started as a user starts them
+(``fresh``).
+"""
+
+import atexit
 import json
 import os
 import shutil
@@ -16,6 +22,10 @@ import pytest
 from processes import call
 
 ROOT = Path(__file__).resolve().parents[2]
+FORKS = str(Path(__file__).with_name("forks.py"))
+MODULES = ("h5py", "contactsnes.branch.branch", "contactsnes.commands.cli",
+           "contactsnes.commands.run", "contactsnes.output.archive", "contactsnes.output.resuming")
+"""What most programs import, here or later."""
 PACKAGES = ("mpi4py",)
 SIZES = (2, 3)
 SECONDS = 240.0
@@ -64,6 +74,56 @@ def launcher_words():
     return [path]
 
 
+def environment():
+    """Variables of every process: nothing of a launcher that this one was started by, one thread,
+    and a rest for whoever waits."""
+    kept = {name: value for name, value in os.environ.items()
+            if not name.startswith(("OMPI_", "PMI", "SLURM"))}
+    path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
+    return kept | {"PYTHONPATH": path, "OMP_NUM_THREADS": "1",
+                   "OMPI_MCA_mpi_yield_when_idle": "1"} | resting()
+
+
+RESTING = """#include <time.h>
+int sched_yield(void) { struct timespec moment = {0, 20000}; return nanosleep(&moment, 0); }
+"""
+
+
+@cache
+def resting():
+    """Variables with which a process of Open MPI that waits for another one sleeps for moments,
+    where there is a compiler. It would ask again and again, and where there are fewer cores than
+    processes the one that it waits for would be kept from going on."""
+    compiler = shutil.which("cc") or shutil.which("gcc")
+    if sys.platform != "linux" or not compiler:
+        return {}
+    folder = tempfile.mkdtemp(prefix="contactsnes-")
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    library = os.path.join(folder, "resting.so")
+    done = subprocess.run([compiler, "-shared", "-fPIC", "-o", library, "-x", "c", "-"],
+                          input=RESTING, text=True, capture_output=True, check=False)
+    others = filter(None, [os.environ.get("LD_PRELOAD")])
+    return {} if done.returncode else {"LD_PRELOAD": " ".join([library, *others])}
+
+
+@cache
+def interpreter():
+    """The words in the place of Python's path with which a program is a fork; Python itself, where
+    the launcher is not Open MPI's, whose processes are known by their environment alone."""
+    if sys.platform != "linux" or len(launcher_words()) == 1:
+        return [sys.executable]
+    folder = tempfile.mkdtemp(prefix="f", dir="/tmp")  # so are sockets
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    path = os.path.join(folder, "socket")
+    server = subprocess.Popen([sys.executable, FORKS, "-serve", path, *MODULES],
+                              env=environment(), text=True, stdin=subprocess.PIPE,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    atexit.register(server.communicate)
+    answer = server.stdout.readline()
+    assert answer == "ready\n", answer + server.communicate()[0]
+    return [sys.executable, "-S", "-E", FORKS, path]
+
+
 class Started:
     """Processes that have been started.
 
@@ -72,22 +132,16 @@ class Started:
     size : int
     words : of the program, after the interpreter
     folder : working folder
-    variables : name -> value in the environment
+    fresh : whether each is a new process of Python, instead of a fork
     """
 
-    def __init__(self, size, words, folder, variables):
+    def __init__(self, size, words, folder, fresh=False):
         self._scratch = tempfile.mkdtemp(prefix="r", dir="/tmp")  # Open MPI wants a short path
-        kept = {name: value for name, value in os.environ.items()
-                if not name.startswith(("OMPI_", "PMI", "SLURM"))}
-        path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
+        python = [sys.executable] if fresh else interpreter()
         self.process = subprocess.Popen(
-            [*launcher_words(), "-n", str(size), sys.executable, *map(str, words)], cwd=folder,
-            text=True,
-            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-            start_new_session=True,
-            env=kept | {"PYTHONPATH": path, "TMPDIR": self._scratch, "OMP_NUM_THREADS": "1",
-                        "OMPI_MCA_mpi_yield_when_idle": "1",  # there may be fewer cores
-                        **variables})
+            [*launcher_words(), "-n", str(size), *python, *map(str, words)], cwd=folder,
+            text=True, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+            start_new_session=True, env=environment() | {"TMPDIR": self._scratch})
 
     def ended(self, seconds=SECONDS):
         """What has come of them; the test fails where they hang."""
@@ -106,9 +160,15 @@ class Started:
         return Done(self.process.returncode, *shown)
 
 
-def program(size, text, folder, **variables):
-    """A finished program of Python in so many processes."""
-    return Started(size, ["-c", text], folder, variables).ended()
+def program(size, text, folder, fresh=False):
+    """A finished program of Python in so many processes.
+
+    Parameters
+    ----------
+    size, folder, fresh : as of `Started`
+    text : str
+    """
+    return Started(size, ["-c", text], folder, fresh).ended()
 
 
 def say(size, text, folder, word="alike", times=1):
@@ -134,9 +194,15 @@ def found(size, text, folder):
     return json.loads((Path(folder) / "found.json").read_text(encoding="utf-8"))
 
 
-def command(size, *arguments, folder):
-    """The command in so many processes, finished; in one, without a launcher."""
+def command(size, *arguments, folder, fresh=False):
+    """The command in so many processes, finished; in one, without a launcher.
+
+    Parameters
+    ----------
+    size, folder, fresh : as of `Started`
+    arguments : of the command
+    """
     if size == 1:
         done = call(*arguments, folder=folder)
         return Done(done.returncode, done.stdout, done.stderr)
-    return Started(size, ["-m", "contactsnes", *arguments], folder, {}).ended()
+    return Started(size, ["-m", "contactsnes", *arguments], folder, fresh).ended()

@@ -14,6 +14,7 @@ from contactsnes.kernels import library
 from contactsnes.output.reading import read
 
 IDLE = """
+import sys
 from contactsnes.grid import slab_transform
 
 
@@ -22,7 +23,10 @@ def share(total, rank, size, given=slab_transform.share):
     return given(total, rank, size - 1) if rank < size - 1 else slice(total, total)
 
 
-slab_transform.share = share
+given = slab_transform.share
+for module in list(sys.modules.values()):
+    if getattr(module, "share", None) is given:
+        module.share = share
 """
 COMMAND = """
 import sys

@@ -26,13 +26,16 @@ def failing(self, point):
         raise {error}
     accept(self, point)
 
-run.Run._accept = failing
+run.Run._accept, run.PATIENCE = failing, {patience}
 sys.exit(cli.main(["run", *{words!r}]))"""
 
 
 def failed(size, ranks, error, folder, words=PLANE):
     """A run in which some processes fail at the fourth point."""
-    return program(size, FAILING.format(ranks=ranks, error=error, words=words), folder)
+    # where others do not, none comes, however long one waits for them
+    text = FAILING.format(ranks=ranks, error=error, words=words,
+                          patience=5.0 if len(ranks) == size else 0.2)
+    return program(size, text, folder, fresh=True)
 
 
 @together
@@ -59,7 +62,7 @@ def failing(self, point):
         raise MemoryError("1 TB")
     accept(self, point)
 
-run.Run._accept = failing
+run.Run._accept, run.PATIENCE = failing, 2.5
 sys.exit(cli.main(["run", *{words!r}]))"""
 AFTERWARDS = """
 import sys
@@ -81,7 +84,7 @@ sys.exit(cli.main(["run", *{words!r}]))"""
 @pytest.mark.parametrize("ranks", [(1, 2), (0, 1)])
 def test_several_that_fail_one_after_another_speak_once(ranks, tmp_path):
     """While the third one goes on, and waits: the last one is ended as it waits for others."""
-    done = program(3, LATER.format(ranks=ranks, words=PLANE), tmp_path)
+    done = program(3, LATER.format(ranks=ranks, words=PLANE), tmp_path, fresh=True)
     assert done.returncode == 1 and "Traceback" not in done.stderr, done.stderr
     assert len(done.told) == 1 and "3 points are in" in done.told[0], done.stderr
     assert ("process 2 of 3" in done.told[0]) == (ranks == (1, 2))
@@ -90,7 +93,7 @@ def test_several_that_fail_one_after_another_speak_once(ranks, tmp_path):
 
 @together
 def test_a_process_that_fails_when_others_have_ended_well(tmp_path):
-    done = program(2, AFTERWARDS.format(words=PLANE), tmp_path)
+    done = program(2, AFTERWARDS.format(words=PLANE), tmp_path, fresh=True)
     assert done.returncode == 2 and "Traceback" not in done.stderr, done.stderr
     assert len(done.told) == 1 and "process 2 of 2" in done.told[0], done.stderr
     assert read(tmp_path / "run.h5").complete
@@ -127,7 +130,7 @@ def breaking(self, point):
     if self.progress.points == 3 and world.rank == 1:
         os.environ["BROKEN"] = "1"
 
-run.Run._accept = breaking
+run.Run._accept, run.PATIENCE = breaking, 0.2
 sys.exit(cli.main(["run", *{words!r}]))"""
 
 
@@ -135,7 +138,8 @@ sys.exit(cli.main(["run", *{words!r}]))"""
 def test_a_law_that_fails_within_a_solve_of_one_process(tmp_path):
     """The error passes through PETSc, while the other process waits for a sum."""
     (tmp_path / "law.py").write_text(LAW)
-    done = program(2, BREAKING.format(words=(*PLANE, "-scene_law", "law.py:Failing")), tmp_path)
+    done = program(2, BREAKING.format(words=(*PLANE, "-scene_law", "law.py:Failing")), tmp_path,
+                   fresh=True)
     assert done.returncode == 1, done.stdout + done.stderr
     assert "ValueError: no traction" in done.stderr and "process 2 of 2" in done.stderr
     assert read(tmp_path / "run.h5").points == 3
@@ -145,7 +149,8 @@ def test_a_law_that_fails_within_a_solve_of_one_process(tmp_path):
 def test_a_full_disk(tmp_path):
     limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (140000, 140000))\n"
     words = (*PLANE, "-archive_fields", "all", "-archive_fields_on", "cell")
-    done = program(2, limit + FAILING.format(ranks=(), error="None", words=words), tmp_path)
+    text = FAILING.format(ranks=(), error="None", words=words, patience=5.0)
+    done = program(2, limit + text, tmp_path, fresh=True)
     assert done.returncode == 1, done.stdout + done.stderr
     points = read(tmp_path / "run.h5").points
     assert len(done.told) == 1 and points, done.stderr
@@ -159,7 +164,7 @@ COUNTED = re.compile("; (?P<least>at least )?(?P<points>[0-9]+) points are in ")
 def started(folder, size=2):
     """A long run that has at least two points."""
     run = Started(size, ["-m", "contactsnes", "run", *PLANE, "-continuation_largest_step", "0.001",
-                         "-continuation_initial_step", "0.001"], folder, {})
+                         "-continuation_initial_step", "0.001"], folder, fresh=True)
     path, until = folder / "run.h5", time.monotonic() + 120.0
     while time.monotonic() < until and not (path.exists() and read(path).points > 1):
         time.sleep(0.1)
@@ -224,6 +229,6 @@ scene = Scene(dimension=2, geometry="sphere", points=32, period=12.0, height=flo
 for point in Branch(scene, Load("normal_displacement=0", "normal_displacement=0.4")):
     print("a point", flush=True)
     if PETSc.COMM_WORLD.rank:
-        raise ValueError("of mine")""", tmp_path)
+        raise ValueError("of mine")""", tmp_path, fresh=True)
     assert done.returncode == 1 and "ValueError: of mine" in done.stderr
     assert 1 <= done.stdout.count("a point") <= 4

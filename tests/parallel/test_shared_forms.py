@@ -137,5 +137,5 @@ print("goes on")
 
 @together
 def test_processes_need_not_lose_an_object_at_the_same_time(tmp_path):
-    done = Started(2, ["-c", GARBAGE], tmp_path, {}).ended(60.0)
+    done = Started(2, ["-c", GARBAGE], tmp_path, fresh=True).ended(60.0)
     assert (done.returncode, done.stdout.count("goes on")) == (0, 2), done.stderr

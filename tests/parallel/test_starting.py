@@ -23,7 +23,8 @@ def refused(done, *words):
 @together
 @pytest.mark.parametrize("size", SIZES)
 def test_what_one_process_does_is_refused(size, tmp_path):
-    refused(command(size, "plot", "run.h5", folder=tmp_path), f"{size} processes", "plot")
+    refused(command(size, "plot", "run.h5", folder=tmp_path, fresh=True),
+            f"{size} processes", "plot")
 
 
 @together
@@ -62,7 +63,7 @@ world.join()
 assert world.neighbours == world.size == 2
 assert 0.8 * alone < memory() < 1.2 * alone
 """
-    assert program(2, text, tmp_path).returncode == 0
+    assert program(2, text, tmp_path, fresh=True).returncode == 0
 
 
 @together
@@ -88,7 +89,7 @@ second = launched()[1] == 1
 os.chdir({file!r} if second else "here")
 sys.exit(main(["run", *{PLANE!r}, "-scene_geometry", "file", "-scene_geometry_file",
                "heights.txt", *({more!r} if second else [])]))"""
-    refused(program(2, text, tmp_path), *words)
+    refused(program(2, text, tmp_path, fresh=True), *words)
 
 
 def test_a_launcher_without_packages_is_refused(monkeypatch):
