@@ -50,8 +50,7 @@ WITH_UNIT = re.compile(r"[+-]?[\d.]+(e[+-]?\d+)?\s*[^\W\d].*", re.ASCII | re.IGN
 """A number and a word behind it."""
 
 LARGEST = 1e30
-"""Size up to which numbers are computed with, and the inverse of the least: powers and products of
-some of them do not overflow."""
+"""Size up to which numbers are computed with, 1 / it the least: a few products do not overflow."""
 
 SLIP = 0.92
 """How alike names are, by `difflib`, that a slip of the finger tells apart."""
@@ -206,16 +205,12 @@ def _default(cls, field):
 
 
 COMMON = []
-"""Dataclasses of options that every command knows, in the order of the help; whoever owns them
-declares them."""
+"""Dataclasses of options that every command knows, in the order of the help."""
 
 
 def extend(cls, *groups):
-    """Give a dataclass of options more of them, after its own: groups of fields by name. Instances
-    made before have the defaults.
-
-    What a law declares becomes so an option of the scene.
-    """
+    """Give a dataclass of options more of them, after its own, as a scene gets those of its law:
+    groups of fields by name. Instances made before have the defaults."""
     known, wanted = dict(cls.__dataclass_fields__), []
     for name, field in (item for group in groups for item in group.items()):
         if known.setdefault(name, field).metadata != field.metadata:
@@ -252,6 +247,19 @@ class Options:
 
     prefix: ClassVar[str]
     title: ClassVar[str]
+
+    def __new__(cls, *values, **named):
+        """An instance that is yet to be filled; InputError for a name that is none of a field."""
+        cls.refuse_unknown(named)
+        return super().__new__(cls)
+
+    @classmethod
+    def refuse_unknown(cls, names):
+        """InputError for a name that is none of a field, with the one that may be meant."""
+        for name in names:
+            if name not in cls.__dataclass_fields__:
+                known = [field.name for field in dataclasses.fields(cls)]
+                raise InputError(f"{name} is no option of {cls.__name__}" + meant(name, known))
 
     def __post_init__(self):
         cls = type(self)

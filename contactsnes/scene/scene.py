@@ -70,7 +70,7 @@ class Scene(Units):
     def __new__(cls, *values, **named):
         """A scene that is yet to be filled, which has the options of its law, shape and body."""
         parts.admit(cls, named)
-        return super().__new__(cls)
+        return super().__new__(cls, **named)
 
     @classmethod
     def prepare(cls, entries):

@@ -125,6 +125,7 @@ class Units(Options):
         if values.get("units") != "si":
             return cls(**values)
         cls.prepare(lambda: {cls.prefix + name: value for name, value in values.items()})
+        cls.refuse_unknown(values)
         values = {name: checked(cls.option_name(name), value, cls.rule(name))
                   for name, value in values.items() if value is not None}
         for group, source in DERIVED.items():

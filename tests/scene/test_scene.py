@@ -168,6 +168,17 @@ BAD = [(Scene, dict(dimension=3), "-scene_dimension", "3", "1, 2"),
         "one of them"),]
 
 
+@pytest.mark.parametrize("make, name, hint", [
+    (Scene, "maugis", "Scene: did you mean normal_maugis?"),
+    (Scene.typed, "maugis", "did you mean normal_maugis?"),
+    (lambda **values: Scene.typed(units="si", **values), "maugis", "did you mean normal_maugis?"),
+    (Load, "paths", "Load: did you mean path?"), (Steps, "largest", "did you mean largest_step?")])
+def test_a_name_that_is_none_is_told_with_the_one_that_may_be_meant(make, name, hint):
+    with pytest.raises(InputError, match=f"^{name} is no option of .*") as error:
+        make(**{name: 3.0})
+    assert str(error.value).endswith(hint)
+
+
 @pytest.mark.parametrize("cls, values, name, value, hint", BAD)
 def test_bad_value_is_one_sentence_with_option_value_and_what_is_allowed(cls, values, name, value,
                                                                          hint):
