@@ -12,7 +12,7 @@ import re
 from pathlib import Path
 
 from .fields import COMMON, InputError, meant, nearest
-from .files import is_option, read_file, with_files
+from .files import is_option, may_be_file, read_file, with_files
 from .solver_values import blamed, refuse_values, without_entries
 from .values import BOOLEANS, instance
 
@@ -58,7 +58,7 @@ def _split(arguments):
     """Files and options of a command line, two lists, each in its order.
 
     An argument after an option is its value, unless it is itself an option, or ends in .opts, or
-    follows a flag of ours without being true or false.
+    follows a flag of ours without being true or false and may be a file.
     """
     flags = {"-" + name for name, field in known_options().items()
              if field.metadata["kind"] == "flag"}
@@ -74,7 +74,8 @@ def _split(arguments):
             options.append(argument)
             continue
         is_file = argument.endswith(".opts") and name.lower() != "-options_file"
-        if not name or is_file or (name.lower() in flags and argument.lower() not in BOOLEANS):
+        if not name or is_file or (name.lower() in flags and argument.lower() not in BOOLEANS
+                                   and may_be_file(argument)):
             files.append(argument)
         else:
             options.append(argument)

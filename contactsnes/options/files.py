@@ -44,6 +44,12 @@ def located(path):
     return path
 
 
+def may_be_file(word):
+    """Whether what stands where a flag may have a value is more likely a file of options: it is no
+    word, or the name of a file, or like that of one."""
+    return not word.isalnum() or os.path.exists(located(word)) or bool(_alike(word))
+
+
 def _alike(path):
     """Up to three files of options whose names are like that of a file that is missing."""
     folder, name = os.path.split(path)

@@ -33,7 +33,7 @@ VERSION = Rule(int, lambda value: 1 <= value <= 4, "a whole number from 1 to 4")
 
 RULES = {
     "snes_atol": (TOLERANCE, "1e-8"), "snes_rtol": (TOLERANCE, "0"), "snes_stol": (TOLERANCE, "0"),
-    "snes_divergence_tolerance": (BOUND, "-1"), "snes_max_it": (COUNT, "50"),
+    "snes_divergence_tolerance": (BOUND, "-1"), "snes_max_it": (SOME, "50"),
     "snes_max_funcs": (LIMIT, "1000000"), "snes_lag_jacobian": (LAG, "1"),
     "snes_lag_preconditioner": (LAG, "1"), "snes_ksp_ew_version": (VERSION, "2"),
     "snes_ksp_ew_rtol0": (TOLERANCE, "0.1"), "snes_ksp_ew_rtolmax": (TOLERANCE, "0.1"),
