@@ -31,14 +31,16 @@ class Lenient(io.FileIO):
     def _wait(self, number, frame):
         self._signals.append(number)
 
-    def __exit__(self, *raised):
+    def __exit__(self, kind, error, traceback):
         try:
-            super().__exit__(*raised)
+            super().__exit__(kind, error, traceback)
         finally:
             for number, handler in self._handlers.items():
                 signal.signal(number, handler)
             for number in self._signals[:1]:
                 self._handlers[number](number, None)
+        if isinstance(error, Exception):
+            self.check()  # what HDF5 complains of is that it reads other bytes than it has written
 
     def write(self, data):
         """Write everything; after a failure, nothing."""

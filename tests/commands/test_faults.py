@@ -266,6 +266,15 @@ def test_a_device_that_fails_does_not_reach_hdf5(tmp_path):
             device.check()
 
 
+def test_what_hdf5_cannot_read_back_is_told_by_its_cause(tmp_path):
+    """A full disk, of which HDF5 says that something could not be inflated."""
+    with pytest.raises(OSError, match="Bad file descriptor"):
+        with devices.Lenient(tmp_path / "x.h5") as device:
+            os.dup2(os.open(os.devnull, os.O_RDONLY), device.fileno())
+            device.write(b"lost")
+            raise OSError("inflate() failed")
+
+
 def test_a_signal_waits_until_hdf5_has_closed_its_file(tmp_path):
     """Raised where HDF5 calls Python, it is not heeded, and the next call crashes."""
     closed = []
