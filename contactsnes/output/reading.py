@@ -1,5 +1,6 @@
 """Archives as they are read: columns, fields, and what tells of them."""
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -10,6 +11,9 @@ from .active import Rebuilt
 from .columns import instead
 from .extras import extra
 from .files import ArchiveError, checked, open_archive, safely
+
+TRIES = 5
+"""How often an archive is read again that a run has replaced meanwhile."""
 
 SHOWN = ("normal_force", "tangential_force", "contact_area")
 """Beginnings of the names of columns whose extent the ``repr`` tells."""
@@ -243,4 +247,22 @@ def read(path):
     ArchiveError
         If there is no such file, or it is no archive, or damaged.
     """
-    return safely(path, Record)
+    before = _stamp(path)
+    record = safely(path, Record)
+    for _ in range(TRIES):
+        # a run that goes on has taken its journal into a new file since this one was opened: points
+        # would be missing that were there
+        before, after = _stamp(path), before
+        if before == after:
+            break
+        record = safely(path, Record)
+    return record
+
+
+def _stamp(path):
+    """What tells a file from one that has been put into its place; None where there is none."""
+    try:
+        found = os.stat(path)
+    except (OSError, ValueError):  # the second for what cannot be a name
+        return None
+    return found.st_dev, found.st_ino

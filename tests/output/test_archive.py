@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from contactsnes.grid import parted
-from contactsnes.output import active, cell_fields, files, resuming, store
+from contactsnes.output import active, cell_fields, files, resuming, store, stored
 from contactsnes.output import archive as writing
 from contactsnes.output.archive import Archive
 from contactsnes.output.files import ArchiveError
@@ -643,6 +643,19 @@ def test_points_in_the_journal_are_read_with_the_file(tmp_path, monkeypatch, fie
                for number in record.field_points)
     archive.settle()
     assert os.listdir(tmp_path) == ["run.h5"] and check(archive.path, fields).points == 6
+
+
+def test_a_run_that_takes_its_journal_in_while_it_is_read_hides_no_point(tmp_path, monkeypatch):
+    """Between the file, which is open yet, and the journal."""
+    archive, found = waiting(tmp_path / "run.h5", monkeypatch, 5), stored.waiting
+
+    def meanwhile(file):
+        archive.settle()
+        return found(file)
+
+    monkeypatch.setattr(files, "failure", lambda read: "")
+    monkeypatch.setattr(stored, "waiting", meanwhile)
+    assert read(archive.path).points == archive.points == 6
 
 
 def test_fields_of_the_last_point_are_asked_for_where_the_file_is_written(tmp_path, monkeypatch):
