@@ -5,7 +5,9 @@ others go on would leave them waiting for ever, so that whoever ends for a reaso
 the others to end, too, and else ends them.
 """
 
+import math
 import os
+import signal
 import sys
 import time
 from contextlib import suppress
@@ -190,7 +192,7 @@ class World:
             os.write(2, "".join(f"{line} (process {self.rank + 1} of {self.size})\n"
                                 for line in self._said.errors()).encode())
         sys.stderr.flush()
-        self._world.Abort(status)
+        _end_all(self._world, status)
 
     def over(self, status):
         """The exit status of all processes, when they have come to their end; the first one says
@@ -208,6 +210,21 @@ class World:
         return max(status for status, _ in ends)
 
 
+def _end_all(processes, status):
+    """End all of some processes, at least this one.
+
+    Parameters
+    ----------
+    processes : MPI's communicator
+    status : int, exit status
+    """
+    if hasattr(signal, "alarm"):
+        # where the launcher has been killed, Open MPI would wait for it for ever
+        signal.signal(signal.SIGALRM, signal.SIG_DFL)
+        signal.alarm(math.ceil(2.0 * GRACE))
+    processes.Abort(status)
+
+
 @cache
 def end_together():
     """From now on an exception that ends the program of one process ends those of all: the
@@ -220,7 +237,7 @@ def end_together():
         before(kind, error, traceback)
         for stream in (sys.stdout, sys.stderr):
             stream.flush()
-        MPI.COMM_WORLD.Abort(1)
+        _end_all(MPI.COMM_WORLD, 1)
 
     sys.excepthook = ended
 

@@ -4,6 +4,8 @@ run in one process, and every point before it in the archive."""
 import os
 import re
 import signal
+import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -232,3 +234,20 @@ for point in Branch(scene, Load("normal_displacement=0", "normal_displacement=0.
         raise ValueError("of mine")""", tmp_path, fresh=True)
     assert done.returncode == 1 and "ValueError: of mine" in done.stderr
     assert 1 <= done.stdout.count("a point") <= 4
+
+
+ABORTED = """
+import time
+from types import SimpleNamespace
+from contactsnes.system import processes
+
+processes.GRACE = 0.1
+processes._end_all(SimpleNamespace(Abort=lambda status: time.sleep(60.0)), 1)
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "alarm"), reason="no alarms here")
+def test_a_process_whose_launcher_is_gone_ends(tmp_path):
+    """Open MPI waits for the launcher, which is to end the others, for ever."""
+    done = subprocess.run([sys.executable, "-c", ABORTED], cwd=tmp_path, timeout=30.0, check=False)
+    assert done.returncode == -signal.SIGALRM
