@@ -9,7 +9,7 @@ from typing import NamedTuple
 from ..contact.problem import FORCE
 from ..interface import laws, shapes
 from ..scene.isolation import largest_force
-from ..scene.settings import Form, Output, Steps, loaded_legs, tangential_legs
+from ..scene.settings import Form, Output, Steps, loaded_legs, tangential_legs, ways
 from .grid_choice import active_part, cell_of, window_part
 from .memory import memory_of_solve
 from .theory import sliding_displacement, theory
@@ -214,26 +214,15 @@ def _share(scene, load, part, *more):
 
 def _points(scene, load, steps):
     """Points of the start and of each leg, about; loads and steps as they are typed."""
-    legs = load.legs(scene.dimension) if load.path else ()
-    found, values = [1], dict(load.initial(scene.dimension, scene.isolated))
-    for number, leg in enumerate(legs, start=1):
+    legs, found = load.legs(scene.dimension) if load.path else (), [1]
+    for number, (leg, way) in enumerate(zip(legs, ways(scene, load)), start=1):
         component, control = next(iter(leg.controls.items()))
-        way = _way(values.get(component), control)
         points = STEPS if control.value is not None else 1
         if way and (steps.initial_step or steps.largest_step):
             points = FOLDED + math.ceil(way / steps.sizes(number, way)[1])
         found.append(math.ceil(points * _walked(scene, load, component, control, way)
                                * _crowded(scene, component, control)))
-        values |= leg.controls
     return found
-
-
-def _way(before, control):
-    """How far a leg moves what it names first, as typed; None where that is not known."""
-    if (control.value is None or before is None or before.value is None
-            or before.control != control.control):
-        return None
-    return abs(control.value - before.value)
 
 
 def _walked(scene, load, component, control, way):

@@ -13,6 +13,8 @@ from ..scene import settings as scenes
 
 STEEP, EVEN = 3.0, 1e-6
 """Root mean square slopes beyond which heights and places are hardly in the same unit."""
+MANY = 10_000
+"""Steps of a leg beyond which they are hardly meant."""
 OFF = 0.02
 """Part of a size by which that which a file tells may miss the one that is given."""
 
@@ -22,7 +24,8 @@ def cautions(settings, contact):
     sheared = any(scenes.tangential_legs(settings.scene, settings.load))
     sentence = resolution.resolution_warning(settings.scene, sheared)
     return (*((sentence,) if sentence else ()), *_idle(contact.grid),
-            *of_surface(settings.scene, contact.grid), *_depth(settings.load, contact))
+            *of_surface(settings.scene, contact.grid), *_depth(settings.load, contact),
+            *_many_steps(settings.scene, settings.load, settings.steps))
 
 
 def _idle(grid):
@@ -47,6 +50,22 @@ def _depth(load, contact):
                f"flat would overlap by more than {-deepest:g} ranges of the law in the mean, as "
                f"beyond {scene.short(possible / contact.ranges[0], 'u_n,r')}; is it in the unit of "
                "the scene?")
+
+
+def _many_steps(scene, load, steps):
+    """Sentences on legs that take more steps than they come to the end of, since the largest one is
+    so small.
+
+    Parameters
+    ----------
+    scene, load, steps : Scene, Load, Steps
+    """
+    for number, way in enumerate(scenes.ways(scene, load) if steps.largest_step else (), start=1):
+        largest = steps.sizes(number, 1.0)[1]
+        if way and way > MANY * largest:
+            yield (f"leg {number} takes at least {way / largest:.2g} steps, since it moves by "
+                   f"{way:g} and -continuation_largest_step is {largest:g}: is that in the unit "
+                   "of what moves?")
 
 
 def of_surface(scene, grid=None):

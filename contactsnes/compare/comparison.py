@@ -101,6 +101,10 @@ class Comparison:
         worst = max((target.point.residual_norm for target in self.targets), default=np.nan)
         self.log(f"reference: {len(self.targets)} points, residual_norm at most {worst:.1e}"
                  + (f"; the path ends there: {self.path_failure}" if self.path_failure else ""))
+        unstable = sum(target.is_unstable() for target in self.targets)
+        if unstable:
+            self.log(f"of these {unstable} are not stable: methods that move as bodies do leave "
+                     "them, and what such a method finds counts as another branch")
         self.results = {method.name: [Result() for _ in self.targets] for method in self.methods}
         for number in range(1 + self.settings.repeats if self.targets else 0):
             turn = number % len(self.methods)

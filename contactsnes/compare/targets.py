@@ -48,6 +48,11 @@ class Target(NamedTuple):
         area = abs(Measurement(contact, point).contact_area() - self.area) / (self.area or 1.0)
         return displacement, float(force), area
 
+    def is_unstable(self):
+        """Whether a certificate, where there is one, else linear solves say that the point is not
+        stable."""
+        return self.point.stable == 0 or self.point.stable < 0 and self.point.softest < 0.0
+
     def is_found(self, displacement_error, residual_norm):
         """Whether a state so far from the reference can be the same solution, reached with a
         tolerance."""

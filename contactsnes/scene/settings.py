@@ -100,6 +100,25 @@ def loaded_legs(scene, load):
     return tuple(found[1:])
 
 
+def ways(scene, load):
+    """How far each leg moves what it names first, as typed: a list, with None where that is not
+    known."""
+    found, values = [], dict(load.initial(scene.dimension, scene.isolated))
+    for leg in load.legs(scene.dimension) if load.path else ():
+        component, control = next(iter(leg.controls.items()))
+        found.append(_way(values.get(component), control))
+        values |= leg.controls
+    return found
+
+
+def _way(before, control):
+    """How far a leg moves what it names first, as typed; None where that is not known."""
+    if (control.value is None or before is None or before.value is None
+            or before.control != control.control):
+        return None
+    return abs(control.value - before.value)
+
+
 def ineffective(scene, load, names, form=Form(), output=Output(), estimates=False):
     """Options among `names` (without dash, as in 'scene_poisson') that change nothing here: list of
     (name, why).

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from contactsnes import Contact, Load, Scene
+from contactsnes import Contact, Load, Scene, Steps
 from contactsnes.commands.cautions import cautions
 
 SI = dict(units="si", work_of_adhesion_normal=0.03, work_of_adhesion_tangential=0.03,
@@ -14,8 +14,9 @@ SI = dict(units="si", work_of_adhesion_normal=0.03, work_of_adhesion_tangential=
 
 def told(scene, **load):
     """Sentences on the loads of a scene."""
-    return [sentence for sentence in cautions(SimpleNamespace(scene=scene, load=Load(**load)),
-                                              Contact(scene)) if "out of reach" in sentence]
+    return [sentence for sentence in cautions(
+        SimpleNamespace(scene=scene, load=Load(**load), steps=Steps()), Contact(scene))
+        if "out of reach" in sentence]
 
 
 @pytest.mark.parametrize("law, deepest", [("modified", 30.0), ("dugdale", 3.0)])
@@ -53,3 +54,17 @@ def test_where_the_displacement_is_not_that_of_the_mean_surface_nothing_is_told(
     scene = Scene(points=256, period=30.0, normal_maugis=2.0, poisson=0.3)
     assert not told(scene, path="normal_displacement=3000")
     assert not told(scene)
+
+
+@pytest.mark.parametrize("largest, told", [
+    (None, None), (1e-3, None), ((1e-3, 1e-12), "leg 2 takes at least 3e+12 steps"),
+    (1e-9, "leg 2 takes at least 3e+09 steps")])
+def test_steps_that_come_to_no_end_are_told(largest, told):
+    """Of a leg of 3; the force of the first one begins where the displacement has led."""
+    scene = Scene(points=256, period=30.0, normal_maugis=2.0)
+    load = Load(path="normal_force=1; normal_force=-2")
+    settings = SimpleNamespace(scene=scene, load=load, steps=Steps(
+        largest_step=largest, initial_step=largest))
+    sentences = [sentence for sentence in cautions(settings, Contact(scene)) if "steps" in sentence]
+    assert len(sentences) == bool(told) and all(told in sentence for sentence in sentences)
+    assert all("-continuation_largest_step is 1e-" in sentence for sentence in sentences)

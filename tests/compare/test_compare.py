@@ -245,6 +245,14 @@ def test_scene_without_a_solution(tmp_path):
             and (tmp_path / "none.csv").exists())
 
 
+def test_a_reference_that_is_not_stable_is_told():
+    """Under a force that falls where the displacement has passed the largest one."""
+    _, said = compared(NEWTON, start="normal_displacement=-2.5", path="normal_force=-0.25")
+    assert any("are not stable" in sentence for sentence in said)
+    _, said = compared(NEWTON, start="normal_displacement=0", path="normal_force=-0.7")
+    assert not any("are not stable" in sentence for sentence in said)
+
+
 # Another branch
 
 
