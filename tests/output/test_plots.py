@@ -134,7 +134,7 @@ def plane_archive(path, rows, components=3, nodes=96):
 def plane_fields(x, radius, components, row):
     half = np.sqrt(row["contact_area"] / np.pi)
     shrunk = np.hypot(x[:, None] * 1.15, x[None, :])
-    depth = np.sqrt(np.maximum(1 - (shrunk / half) ** 2, 0))
+    depth = np.sqrt(np.maximum(1 - (shrunk / max(half, 1e-9)) ** 2, 0))
     gap = np.where(shrunk < half, RANGE * np.e * (1 - 1.4 * depth**0.5),
                    RANGE * np.e + (shrunk - half).clip(0) ** 1.3)
     traction = np.zeros((components, *radius.shape))

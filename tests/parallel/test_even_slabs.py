@@ -5,6 +5,8 @@ import pytest
 from ranks import SIZES, found, say, together
 from test_cases import differs, events
 
+from contactsnes.kernels import library
+
 FIELDS = """
 import itertools
 import numpy as np
@@ -310,9 +312,12 @@ ROUNDED = {"wall_time", "residual_norm", "largest_residual", "function_evaluatio
 
 
 @together
+@pytest.mark.parametrize("program", [
+    pytest.param(FIELDS, id="fields"), pytest.param(FORMS, id="forms", marks=pytest.mark.skipif(
+        library.reason() is not None, reason=str(library.reason())))])
 @pytest.mark.parametrize("size", (1, *SIZES, 4))
-def test_even_fields_and_forms_of_several_processes_are_those_of_one(size, tmp_path):
-    say(size, FIELDS + FORMS, tmp_path, times=2)
+def test_even_fields_and_forms_of_several_processes_are_those_of_one(size, program, tmp_path):
+    say(size, program, tmp_path)
 
 
 @pytest.fixture(scope="module")
