@@ -65,12 +65,13 @@ def _branched(system, stability, leg, critical, beyond, found):
     found : (Point, kick) that motion reached under the load of ``beyond``, and how it began
     """
     (reached, kick), load = found, leg.load(critical.position)
+    beside = f"at {system.told(leg.controls, leg.load(beyond.position))}, off the bifurcation"
     reached = replace(reached, leg=leg.number, position=beyond.position, step=leg.initial)
     try:
         there = system.solve(reached.state, leg.controls, load)
         if system.missed(critical.state, there.state) < JUMPED * system.missed(beyond.state,
                                                                                reached.state):
-            return reached
+            return _rested(system, stability, reached, beside)
     except NotConverged:
         there = None
     where = f"at {system.told(leg.controls, load)}, off the bifurcation"
@@ -82,9 +83,16 @@ def _branched(system, stability, leg, critical, beyond, found):
     except (NotConverged, NoEquilibrium) as error:
         system.log(f"{error}; taking what motion beyond it leads to")
     if there is None:
-        return reached
+        return _rested(system, stability, reached, beside)
     return replace(settled(system, stability, there, where), leg=leg.number,
                    position=critical.position, step=leg.initial, event="jump")
+
+
+def _rested(system, stability, reached, where):
+    """A point of a branch beside, `settled`: where several modes lose their stability at once,
+    motion along one of them may end where another one grows."""
+    point = settled(system, stability, reached, where)
+    return replace(point, leg=reached.leg, position=reached.position, step=reached.step)
 
 
 def settled(system, stability, point, where):
@@ -103,7 +111,10 @@ def settled(system, stability, point, where):
         point = stability(point)
         if point.unstable_modes <= 0:
             break
-        system.log(f"the jump {where} ended in an unstable state: going on along its mode")
+        several = point.unstable_modes > 1
+        system.log(f"the motion {where} ended in an unstable state: going on along "
+                   + (f"the least stable of its {point.unstable_modes} modes, while others may "
+                      "lead elsewhere" if several else "its mode"))
         start = system.kicked(point, stability.aside(stability.critical(point, 0)[1]), 1.0)
         found = system.settle(start, point.controls, point.load, where, point.state)
         point = replace(found, jump_work=point.jump_work + found.jump_work,

@@ -142,13 +142,30 @@ class NaturalSteps(LoadSteps):
             if self.at_bifurcation == "stop":
                 self.stopped = True
                 return
-            if self.at_bifurcation == "follow" and point.unstable_modes > last[1].unstable_modes:
-                found = branching.followed(self.system, self.certify, self.leg, critical, point)
-                if found is not None:
+            lost = point.unstable_modes - last[1].unstable_modes
+            if self.at_bifurcation == "follow" and lost > 0:
+                beside = branching.followed(self.system, self.certify, self.leg, critical, point)
+                if beside is not None:
+                    self._tell_of_others(critical, lost - sum(
+                        abs(other.position - critical.position) > SAME for other in found))
                     self.history = []
-                    yield self._accept(replace(found, step=min(point.step, self.leg.initial)))
+                    yield self._accept(replace(beside, step=min(point.step, self.leg.initial)))
                     return
         yield self._accept(point)
+
+    def _tell_of_others(self, critical, lost):
+        """Say that a branch is one of several where several modes lose their stability at once (a
+        complex pair of them is one).
+
+        Parameters
+        ----------
+        critical : Point, the bifurcation
+        lost : int, modes
+        """
+        if lost > 1 and not abs(critical.leading_eigenvalue.imag) > bifurcations.NEUTRAL:
+            self.system.log(f"{lost} modes lose their stability at "
+                            f"{self._place(critical.position)}: what one of them leads to is "
+                            "followed, and other branches begin there")
 
     def _give_up(self, error, where):
         """Raise ``error``, or NoEquilibrium, with that error, where the leg's end has none."""

@@ -217,6 +217,28 @@ def test_the_stable_branch_is_followed_on_request(problem, branch, event):
                                                     rel=1e-6) and point.stable == 1
 
 
+@pytest.mark.parametrize("problem, size, told", [
+    (two_crossings(0.3, 0.3), 3, True), (two_crossings(0.3, 0.31), 3, False),
+    (flutter(), 3, False), (pitchfork(), 2, False)])
+def test_of_several_modes_that_are_lost_at_once_it_is_told_that_one_is_followed(problem, size,
+                                                                                told):
+    system = System(problem)
+    followed(path(system, (0.0, 1.0), (0.0,) * size, certify=Dense(system),
+                  at_bifurcation="follow"))
+    sentences = [text for text in system.sentences if "other branches begin" in text]
+    assert len(sentences) == told
+    assert all(text.startswith("2 modes lose their stability") for text in sentences)
+
+
+def test_what_is_followed_where_two_modes_are_lost_at_once_is_stable():
+    """Both unknowns have left zero, where each is not stable: motion along one leaves the other."""
+    points, error = followed_steps(two_crossings(0.3, 0.3), guess=(0.0,) * 3,
+                                   at_bifurcation="follow")
+    assert error is None and points[-1].position == 1.0
+    assert all(point.stable == 1 for point in points if point.load[-1] > 0.3 + 1e-6)
+    assert np.abs(points[-1].state[1:]) == pytest.approx(np.sqrt(0.7), rel=1e-6)
+
+
 def test_a_motion_that_leaves_to_one_side_says_nothing_of_the_other():
     """Of the two sides of a pitchfork one has no equilibrium that motion reaches."""
     def leaving(left):
