@@ -28,7 +28,11 @@ def check(law, name, in_file=True):
     """
     _check_numbers(law, name)
     with np.errstate(all="ignore"):
-        if law.formula is not None:
+        try:
+            written = law.formula is not None
+        except NotImplementedError as error:
+            raise InputError(f"{error}: give it one of them") from None
+        if written:
             _check_formula(law, name)
         _check_tangent(law, name)
         lines = [(line, law.traction(line), law.tangent(line)) for line in _lines(law)]

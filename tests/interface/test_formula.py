@@ -168,6 +168,11 @@ def law_of(tractions, **declared):
     return type("Mine", (Cone,), {"tractions": tractions, **declared})()
 
 
+def test_a_law_without_tractions_is_bad_input():
+    with pytest.raises(InputError, match="neither tractions.a, b. nor evaluate.*give it one of"):
+        own_laws.check(type("Bare", (Law,), {})(), "own.py:Bare")
+
+
 def test_a_law_that_has_tractions_alone_is_checked():
     own_laws.check(Cone(), "Cone")
     own_laws.check(law_of(lambda self, a, b: (
