@@ -149,7 +149,7 @@ def test_a_law_that_fails_within_a_solve_of_one_process(tmp_path):
 
 @together
 def test_a_full_disk(tmp_path):
-    limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (140000, 140000))\n"
+    limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (400000, 400000))\n"
     words = (*PLANE, "-archive_fields", "all", "-archive_fields_on", "cell")
     text = FAILING.format(ranks=(), error="None", words=words, patience=5.0)
     done = program(2, limit + text, tmp_path, fresh=True)
