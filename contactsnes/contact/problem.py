@@ -175,9 +175,9 @@ class Contact:
                                             self._operators.values())
         return self._operators[key]
 
-    def _circle(self, component, shape, even=False, count=1, signs=None):
-        """(transform, C_ii) of a component on a circle of ``shape`` points with the cell's spacing,
-        C scaled to ranges; `Grid.with_mean` at q = 0.
+    def _circle(self, component, shape, even=False, count=1, signs=None, apart=1):
+        """(transform, C_ii) of a component on a circle of ``shape`` points ``apart`` of the cell's
+        spacings from each other, C scaled to ranges; `Grid.with_mean` at q = 0.
 
         For ``even`` fields the points of each direction are those from the axis outwards; where
         they are odd in some, their ``signs`` say so. Transforms are of ``count`` fields.
@@ -190,7 +190,7 @@ class Contact:
             own = self.body.diagonal(transform.wavevectors(self.grid.spacings), components,
                                      last_even=shape[-1] % 2 == 0)[key]
         else:
-            own = self.grid.symbols(self.body.diagonal, components, shape)[key]
+            own = self.grid.symbols(self.body.diagonal, components, shape, apart)[key]
         return transform, self.grid.with_mean(own * self.ranges[component] ** 2)
 
     def _coarse(self, resolution):

@@ -118,25 +118,31 @@ class Grid(Fields, Counter):
         axes = [(np.arange(n) - n // 2) * h for n, h in zip(self.shape, self.spacings)]
         return tuple(np.meshgrid(*axes, indexing="ij", sparse=True))
 
-    def wavevectors(self, shape=None):
-        """Wave numbers of the half spectrum of a circle of ``shape`` points (default the cell),
-        1/beta, to broadcast."""
+    def wavevectors(self, shape=None, apart=1):
+        """Wave numbers of the half spectrum of a circle, 1/beta, to broadcast.
+
+        Parameters
+        ----------
+        shape : points of the circle in each direction (default the cell)
+        apart : int, spacings from one of its points to the next
+        """
         shape = self.shape if shape is None else shape
-        axes = [2 * np.pi * np.fft.fftfreq(n, h) for n, h in zip(shape[:-1], self.spacings)]
-        axes.append(2 * np.pi * np.fft.rfftfreq(shape[-1], self.spacings[-1]))
+        spacings = [apart * spacing for spacing in self.spacings]
+        axes = [2 * np.pi * np.fft.fftfreq(n, h) for n, h in zip(shape[:-1], spacings)]
+        axes.append(2 * np.pi * np.fft.rfftfreq(shape[-1], spacings[-1]))
         return np.ix_(*axes)
 
-    def symbols(self, make, components, shape=None):
+    def symbols(self, make, components, shape=None, apart=1):
         """Blocks (i, j) -> half spectrum of a body on a circle.
 
         Parameters
         ----------
         make : `Body.compliance` or `Body.stiffness`
         components : int
-        shape : points of the circle in each direction (default the cell)
+        shape, apart : as of `wavevectors`
         """
         shape = self.shape if shape is None else shape
-        return make(self.wavevectors(shape), components, last_even=shape[-1] % 2 == 0)
+        return make(self.wavevectors(shape, apart), components, last_even=shape[-1] % 2 == 0)
 
     def with_mean(self, symbol):
         """A compliance (*half spectrum), in place with twice its largest value at q = 0 where it is

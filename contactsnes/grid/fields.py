@@ -177,6 +177,10 @@ class Fields:
         return bool(self.largest(mask if isinstance(mask, bool)
                                  else np.logical_or.reduce(mask, axis=None)))
 
+    def in_patches(self, apart):
+        """Whether the cell is made of patches of ``apart`` nodes, two or more in each direction."""
+        return not any(points % apart or points < 2 * apart for points in self.shape)
+
     # Scalars among the unknowns stand behind the nodes; `slabs` has them in one process only.
     def scalars(self, tail, count):
         """Scalars among unknowns, from what stands behind the nodes, so many."""

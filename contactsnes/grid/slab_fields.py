@@ -24,6 +24,12 @@ class SlabFields(Fields):
         """How many processes have no rows."""
         return sum(not count for _, count in self.rows.parts)
 
+    def in_patches(self, apart):
+        """Whether the cell is made of patches of ``apart`` nodes in each direction, and each
+        process's rows of whole ones."""
+        return super().in_patches(apart) and not any(first % apart
+                                                     for first, _ in self.rows.parts)
+
     def with_rows(self, field, reach):
         """A field over the cell (..., rows, columns) with rows on either side."""
         return self.rows.around(field, reach, reach)

@@ -17,10 +17,19 @@ BLOCK = 16
 """Columns that are transformed at a time: as many as share lines of the processor's memory."""
 
 
-def shares(total, size):
-    """(first, number) of the rows or columns of each of so many processes."""
-    parts = (share(total, rank, size) for rank in range(size))
-    return [(part.start, part.stop - part.start) for part in parts]
+def shares(total, size, unit=1):
+    """(first, number) of the rows or columns of each of so many processes.
+
+    Parameters
+    ----------
+    total, size : int
+    unit : int, of whose common divisor with the total the numbers are multiples, where that leaves
+        something for each process
+    """
+    unit = math.gcd(total, unit)
+    unit = unit if total // unit >= size else 1
+    parts = (share(total // unit, rank, size) for rank in range(size))
+    return [(unit * part.start, unit * (part.stop - part.start)) for part in parts]
 
 
 def share(total, rank, size):

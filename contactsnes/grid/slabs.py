@@ -26,6 +26,9 @@ STRIP = 2 ** 17
 keep."""
 LEAST = 16
 """Columns of waves that a strip has at least, beside the two that each has."""
+PATCH = 4
+"""Rows that processes have a multiple of, where there are enough: patches of a preconditioner
+(`grid.patches`) are theirs as a whole."""
 GATHERED = 2 ** 14
 """Nodes of a coarser grid up to which every process has all of them."""
 
@@ -49,8 +52,9 @@ class Slabs(SlabFields, Grid):
 
     def __init__(self, shape, periods, comm, counter=None):
         self.comm, self._rooms, self.shape = comm, {}, tuple(shape)
-        self.rows, self.columns = (Rows(comm, shares(total, comm.size), total)
-                                   for total in (shape[0], shape[1] // 2 + 1))
+        waves = shape[1] // 2 + 1
+        self.rows = Rows(comm, shares(shape[0], comm.size, PATCH), shape[0])
+        self.columns = Rows(comm, shares(waves, comm.size), waves)
         self.waves = share(shape[1] // 2 + 1, comm.rank, comm.size)
         super().__init__(shape, periods, counter)
 
@@ -104,26 +108,26 @@ class Slabs(SlabFields, Grid):
         """Coordinates of this process's nodes, beta, to broadcast."""
         return self.whole.coordinates()
 
-    def wavevectors(self, shape=None):
+    def wavevectors(self, shape=None, apart=1):
         """Wave numbers of this process's part of the half spectrum, 1/beta, to broadcast.
 
         Parameters
         ----------
-        shape : points in each direction of a circle (default the cell)
+        shape, apart : as of `cell.Grid.wavevectors`
         """
-        first, second = super().wavevectors(shape)
+        first, second = super().wavevectors(shape, apart)
         return first, second[:, share(second.size, self.comm.rank, self.comm.size)]
 
-    def symbols(self, make, components, shape=None):
+    def symbols(self, make, components, shape=None, apart=1):
         """Blocks of a body on this process's waves.
 
         Parameters
         ----------
         make : `Body.compliance` or `Body.stiffness`
         components : int
-        shape : as of `wavevectors`
+        shape, apart : as of `wavevectors`
         """
-        first, second = super().wavevectors(shape)
+        first, second = super().wavevectors(shape, apart)
         here = share(second.size, self.comm.rank, self.comm.size)
         found, some = {}, max(LEAST, STRIP // first.size)
         for begin in range(here.start, max(here.stop, here.start + 1), some):

@@ -376,16 +376,32 @@ static long rounded(double extent) /* up to a sixteenth of its power of two */
     return (long)ceil(extent / unit) * unit;
 }
 
+/* Patches of a core: how many nodes each has, and where the first one begins: they are those of the cell. */
+static void find_patches(const Zone *z, Block *b, long i)
+{
+    b->apart = 0;
+    for (long k = 0; k < PATCHES && z->patched && !b->apart; k++) {
+        const double product = z->shortest[i][k] * b->mean[0];
+        if (!(z->shortest[i][k] > 0.0) || product > z->left[k]) continue;
+        b->apart = z->sizes[k];
+        b->within = product / (1.0 + product);
+    }
+    for (int axis = 0; axis < 2; axis++)
+        b->before[axis] = b->apart ? (z->start[axis] + b->first[axis]) % b->apart : 0;
+}
+
 static int find_circle(Zone *z, long i)
 {
     Block *b = &z->block[i];
-    const long first = rounded(z->pad * b->extent[0]), second = rounded(z->pad * b->extent[1]);
+    find_patches(z, b, i);
+    const long first = rounded(z->pad * (b->extent[0] + b->before[0]));
+    const long second = rounded(z->pad * (b->extent[1] + b->before[1])), apart = b->apart ? b->apart : 1;
     for (int turn = 0; turn < 2; turn++) {
         for (long k = 0; k < z->circle_count[i]; k++) {
-            b->circle = &z->circles[i][k];
-            if (b->circle->raw[0] == first && b->circle->raw[1] == second) return 0;
+            const Circle *c = b->circle = &z->circles[i][k];
+            if (c->raw[0] == first && c->raw[1] == second && c->apart == apart) return 0;
         }
-        if (turn == 0 && z->missing(i, first, second)) break;
+        if (turn == 0 && z->missing(i, first, second, apart)) break;
     }
     return 1;
 }
@@ -408,9 +424,11 @@ static Transform *circle_of(const Zone *z, Block *b)
     for (long box = 0; box < r->boxes; box++)
         invert(t, b->circle->compliance, b->mean[box], gain,
                symbol + box * t->waves * (f->single ? sizeof(float) : sizeof(double)));
+    if (b->apart) complement(t, (1.0 - b->within) / gain, 1.0 / (b->apart * b->apart), symbol);
     for (long k = 0; k < b->picked; k++) {
         const long place = r->in_box[b->node[k]], c = r->shape[1];
-        b->at[k] = (int)place_of(t, place / c - b->first[0], place % c - b->first[1]);
+        const long row = place / c - b->first[0] + b->before[0], column = place % c - b->first[1] + b->before[1];
+        b->at[k] = (int)place_of(t, row / b->apart, column / b->apart);
     }
     b->made = f->single;
     return t;
@@ -441,19 +459,11 @@ static int apply_block(const Zone *z, Block *b, const double *field, double *out
     Transform *t = circle_of(z, b);
     int status;
     long at = 0;
-    if (response->picked) {
-        clear_field(t, 0);
-        put_nodes(t, 0, b->at, b->node, b->into, field, b->picked);
-    }
-    for (long box = 0; box < boxes && !response->picked; box++, at += e[0] * e[1])
+    if (b->apart) return apply_patched(z, b, t, field, out);
+    for (long box = 0; box < boxes; box++, at += e[0] * e[1])
         put_box(t, box, e, b->into + at, field + box * n + b->first[0] * c + b->first[1], c);
     if ((status = filter(t, e, b->circle->symbol))) return status;
     at = 0;
-    if (response->picked) {
-        copy(field, out, z->form->nodes);
-        blend_nodes(t, 0, b->at, b->node, b->into, b->back, out, b->picked);
-        return 0;
-    }
     for (long box = 0; box < boxes; box++) {
         const double *x = field + box * n;
         double *y = out + box * n;

@@ -149,7 +149,7 @@ static void put(const Form *f, const Response *r, const double *vector, Fill fil
             for (long i = 0; i < m; i++) {
                 const double *x = part + i * PART;
                 sum[i] += total(x, f->weight ? f->weight + at : 0, n);
-                if (r->on_circle) put_nodes(r->transform, i, r->on_circle + at, 0, 0, x, n);
+                if (r->on_circle) put_nodes(r->transform, i, r->on_circle + at, x, n);
                 else put_row(r->transform, i * r->boxes + line / rows, line % rows, first, 0, x, n);
             }
         }

@@ -15,7 +15,8 @@
 #define CLONES
 #endif
 
-enum { NONE = -1, MOST = 3, TOO_MANY = 83 }; /* components; status of a count of transforms beyond its limit */
+enum { NONE = -1, MOST = 3, PATCHES = 3 }; /* components; sizes of patches */
+enum { TOO_MANY = 83 };                     /* status of a count of transforms beyond its limit */
 enum { WAVES = 2048 }; /* of a spectrum that blocks are multiplied with at a time */
 enum { COLUMNS = 8 }; /* of spectra that are transformed at a time: a line of the cache in a row */
 
@@ -111,7 +112,7 @@ typedef struct { /* ArcLength around a form */
 } Arc;
 
 typedef struct { /* a circle that a core fits on: the component's compliance there, work for 1 + C D */
-    long raw[2];
+    long raw[2], apart;           /* apart: spacings from one of its points to the next */
     Transform *transform, *quick; /* quick: in single precision, on the same memory; or null */
     const double *compliance;
     void *symbol;  /* of the precision that its block says */
@@ -120,9 +121,11 @@ typedef struct { /* a circle that a core fits on: the component's compliance the
 
 typedef struct { /* core block of a component */
     long on, first[2], extent[2], made; /* made: precision of its circle's symbol, or NONE */
+    long apart, before[2]; /* nodes of a patch in each direction, and of the first one before the core; 0: none */
+    double within;         /* G for what patches do not tell apart */
     const Circle *circle;
     double *into, *back, *mean, *column, *inverse;
-    long picked; /* of a response with picked nodes: those of the core, and their numbers on its circle */
+    long picked; /* of a response with picked nodes: those of the core, and their patches on its circle */
     int *node, *at;
 } Block;
 
@@ -139,7 +142,11 @@ struct Zone { /* CoreZone, of a form or of a form under arc length */
     long reach[2], wraps[2], applications, set_ups;
     const Circle *circles[MOST];
     long circle_count[MOST];
-    int (*missing)(long component, long first, long second); /* Python's: makes a circle */
+    int (*missing)(long component, long first, long second, long apart); /* Python's: makes a circle */
+    long sizes[PATCHES];             /* nodes of patches in each direction, the largest first, the last one 1: */
+    double left[PATCHES];            /* C D up to which they are taken */
+    long patched, start[2];          /* whether cores are in patches; first node of the box in the cell */
+    double shortest[MOST][PATCHES];  /* compliance of the shortest waves that patches tell apart; 0: there are none */
     const double *between[MOST]; /* of several boxes: kernel at their offsets, (boxes, boxes) */
     double kernel_at_zero[MOST];
     Block block[MOST];
@@ -191,8 +198,7 @@ void clear_beyond(const Transform *t, const long *shape);
 void put_row(const Transform *t, long field, long row, long first, const double *weight, const double *x,
              long n);
 void clear_field(const Transform *t, long field);
-void put_nodes(const Transform *t, long field, const int *at, const int *node, const double *weight,
-               const double *x, long n);
+void put_nodes(const Transform *t, long field, const int *at, const double *x, long n);
 void take_row(const Transform *t, long field, long row, double mean, double factor, const double *scale,
               const double *own, double *out, long n);
 void take_nodes(const Transform *t, long field, const int *at, double mean, double factor,
@@ -203,11 +209,14 @@ void put_box(const Transform *t, long field, const long *extent, const double *w
              long apart);
 void blend_box(const Transform *t, long field, const long *extent, const double *into, const double *back,
                double *x, long apart);
-void blend_nodes(const Transform *t, long field, const int *at, const int *node, const double *into,
-                 const double *back, double *x, long n);
+void add_nodes(const Transform *t, const int *at, const int *node, const double *weight, const double *x, long n);
+void subtract_nodes(const Transform *t, const int *at, const int *node, const double *weight, double own, double *x,
+                    long n);
 int filter(Transform *t, const long *shape, const void *symbol);
 long place_of(const Transform *t, long row, long column);
 void invert(const Transform *t, const double *compliance, double stiffness, double gain, void *symbol);
+void complement(const Transform *t, double whole, double share, void *symbol);
+int apply_patched(const Zone *z, const Block *b, Transform *t, const double *field, double *out);
 int convolve(const Response *r, int transposed);
 void times_in_double(double *x, const double *s, long n);
 void times_in_single(float *x, const float *s, long n);

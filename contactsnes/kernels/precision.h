@@ -206,11 +206,10 @@ CLONES static void OF(put_row)(const Transform *t, long field, long row, long fi
         for (long k = 0; k < n; k++) r[k] = x[k];
 }
 
-static void OF(put_nodes)(const Transform *t, long field, const int *at, const int *node,
-                          const double *weight, const double *x, long n)
+static void OF(put_nodes)(const Transform *t, long field, const int *at, const double *x, long n)
 {
     REAL *r = OF(row_of)(t, field, 0);
-    for (long k = 0; k < n; k++) r[at[k]] = node ? weight[k] * x[node[k]] : x[k];
+    for (long k = 0; k < n; k++) r[at[k]] = x[k];
 }
 
 CLONES static void OF(take_row)(const Transform *t, long field, long row, double mean, double factor,
@@ -237,11 +236,24 @@ CLONES static void OF(blend_row)(const Transform *t, long field, long row, const
     for (long k = 0; k < n; k++) out[k] = x[k] + back[k] * (r[k] - into[k] * x[k]);
 }
 
-static void OF(blend_nodes)(const Transform *t, long field, const int *at, const int *node,
-                            const double *into, const double *back, double *x, long n)
+static void OF(add_nodes)(const Transform *t, const int *at, const int *node, const double *weight,
+                          const double *x, long n)
 {
-    const REAL *r = OF(row_of)(t, field, 0);
-    for (long k = 0; k < n; k++) x[node[k]] += back[k] * (r[at[k]] - into[k] * x[node[k]]);
+    REAL *r = t->real;
+    for (long k = 0; k < n; k++) r[at[k]] += weight[k] * x[node[k]];
+}
+
+static void OF(subtract_nodes)(const Transform *t, const int *at, const int *node, const double *weight,
+                               double own, double *x, long n)
+{
+    const REAL *r = t->real;
+    for (long k = 0; k < n; k++) x[node[k]] -= weight[k] * (own * weight[k] * x[node[k]] + r[at[k]]);
+}
+
+CLONES static void OF(complement)(long n, double whole, double share, void *symbol)
+{
+    REAL *restrict s = symbol;
+    for (long k = 0; k < n; k++) s[k] = (whole - s[k]) * share;
 }
 
 /* complex x times a real symbol, in place */

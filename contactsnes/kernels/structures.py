@@ -8,6 +8,9 @@ import numpy as np
 MOST = 3
 """Components, at most."""
 
+PATCHES = 3
+"""Sizes of patches."""
+
 TOO_MANY = 83
 """Status of a count of transforms beyond its limit."""
 
@@ -126,7 +129,7 @@ class Arc(ctypes.Structure):
 class Circle(ctypes.Structure):
     """A circle that a core fits on."""
 
-    _fields_ = [("raw", c_long * 2), ("transform", POINTER(Transform)),
+    _fields_ = [("raw", c_long * 2), ("apart", c_long), ("transform", POINTER(Transform)),
                 ("quick", POINTER(Transform)), ("compliance", c_void_p), ("symbol", c_void_p),
                 ("no_lag", c_double)]
 
@@ -135,6 +138,7 @@ class Block(ctypes.Structure):
     """A core block."""
 
     _fields_ = [("on", c_long), ("first", c_long * 2), ("extent", c_long * 2), ("made", c_long),
+                ("apart", c_long), ("before", c_long * 2), ("within", c_double),
                 ("circle", POINTER(Circle)),
                 *((name, c_void_p) for name in ("into", "back", "mean", "column", "inverse")),
                 ("picked", c_long), ("node", c_void_p), ("at", c_void_p)]
@@ -147,7 +151,7 @@ class Blur(ctypes.Structure):
                 ("sums", c_void_p)]
 
 
-Missing = ctypes.CFUNCTYPE(c_int, c_long, c_long, c_long)
+Missing = ctypes.CFUNCTYPE(c_int, c_long, c_long, c_long, c_long)
 
 
 class Zone(ctypes.Structure):
@@ -157,7 +161,9 @@ class Zone(ctypes.Structure):
                 ("pad", c_double), ("floor", c_double), ("reach", c_long * 2),
                 ("wraps", c_long * 2), ("applications", c_long), ("set_ups", c_long),
                 ("circles", POINTER(Circle) * MOST), ("circle_count", c_long * MOST),
-                ("missing", Missing), ("between", c_void_p * MOST),
+                ("missing", Missing), ("sizes", c_long * PATCHES), ("left", c_double * PATCHES),
+                ("patched", c_long), ("start", c_long * 2),
+                ("shortest", c_double * PATCHES * MOST), ("between", c_void_p * MOST),
                 ("kernel_at_zero", c_double * MOST), ("block", Block * MOST),
                 ("mean_count", c_long), ("means", c_long * MOST), ("columns", c_void_p),
                 ("mask", c_void_p), ("blur", c_void_p), ("sums", c_void_p),

@@ -75,11 +75,10 @@ void clear_field(const Transform *t, long field)
     memset((char *)t->real + field * n, 0, n);
 }
 
-/* x, or of some nodes weight x, to n places of a field */
-void put_nodes(const Transform *t, long field, const int *at, const int *node, const double *weight,
-               const double *x, long n)
+/* x to n places of a field */
+void put_nodes(const Transform *t, long field, const int *at, const double *x, long n)
 {
-    IN_ITS_PRECISION(t, put_nodes, t, field, at, node, weight, x, n);
+    IN_ITS_PRECISION(t, put_nodes, t, field, at, x, n);
 }
 
 /* out = (row - mean) factor scale + own; out may be own */
@@ -105,11 +104,17 @@ void blend_row(const Transform *t, long field, long row, const double *into, con
     else IN_ITS_PRECISION(t, blend_row, t, field, row, into, back, x, out, n);
 }
 
-/* x = x + back (row - into x) for some nodes and n places of a field */
-void blend_nodes(const Transform *t, long field, const int *at, const int *node, const double *into,
-                 const double *back, double *x, long n)
+/* weight x of some nodes added to places of the first field, some of which several nodes have */
+void add_nodes(const Transform *t, const int *at, const int *node, const double *weight, const double *x, long n)
 {
-    IN_ITS_PRECISION(t, blend_nodes, t, field, at, node, into, back, x, n);
+    IN_ITS_PRECISION(t, add_nodes, t, at, node, weight, x, n);
+}
+
+/* x of some nodes less weight times (own weight x + what stands in places of the first field) */
+void subtract_nodes(const Transform *t, const int *at, const int *node, const double *weight, double own, double *x,
+                    long n)
+{
+    IN_ITS_PRECISION(t, subtract_nodes, t, at, node, weight, own, x, n);
 }
 
 /* where a node stands in a field */
@@ -154,6 +159,12 @@ void invert(const Transform *t, const double *compliance, double stiffness, doub
 {
     if (t->packed) (t->even ? folded_invert : packed_invert)(t, compliance, stiffness, gain, symbol);
     else IN_ITS_PRECISION(t, invert, t->waves, compliance, stiffness, gain, symbol);
+}
+
+/* (whole - symbol) share in place of a symbol on a transform's waves */
+void complement(const Transform *t, double whole, double share, void *symbol)
+{
+    IN_ITS_PRECISION(t, complement, t->waves, whole, share, symbol);
 }
 
 /* x += s y, or conj(s) y, for complex x and y and a symbol that is real or complex */

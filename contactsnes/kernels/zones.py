@@ -7,7 +7,7 @@ import weakref
 import numpy as np
 
 from ..grid.active import Nodes
-from ..grid.lengths import fast_length
+from ..grid.patches import PATCHES, circle_points, shortest, taken
 from ..grid.transfer import reach_of
 from . import structures
 from .forms import call
@@ -72,6 +72,17 @@ class CompiledZone:
             own.mask, own.blur = self._array(nodes), self._array(nodes)
         if self._arc is not None:
             own.column = self._array(self.kernel.size)
+        own.patched = taken(window)
+        if own.patched:
+            self._patches(window)
+
+    def _patches(self, window):
+        """Say when cores are in which patches."""
+        own = self.structure
+        own.start[:], own.sizes[:], own.left[:] = window.start, (*PATCHES,), (*PATCHES.values(),)
+        for i in range(self.form.components):
+            known = shortest(self.form.contact, i)
+            own.shortest[i][:] = [known.get(apart, 0.0) for apart in PATCHES]
 
     def _blocks(self, window, count):
         """Memory of the blocks; of several boxes what they know of each other."""
@@ -111,17 +122,17 @@ class CompiledZone:
         structure, plane, boxes = weakref.ref(self.structure), len(window.shape) == 2, len(
             window.parts)
 
-        def make(component, first, second):
+        def make(component, first, second, apart):
             raw = (first, second) if plane else (second,)
             try:
-                shape = tuple(min(total, fast_length(extent))
+                shape = tuple(circle_points(extent, total, apart)
                               for extent, total in zip(raw, window.limits))
                 signs = window.of(component) if window.even else None
                 # cores of several extents may be on one circle, which one of them is on at a time
                 like = next((circle for circle in circles[component]
                              if circle.transform.shape == shape), None)
-                made = Circle(contact.circle(component, shape, window.even, boxes, signs),
-                              boxes, (first, second), quick, like)
+                made = Circle(contact.circle(component, shape, window.even, boxes, signs, apart),
+                              boxes, (first, second, apart), quick, like)
             except BaseException as error:  # the library cannot pass it on; its caller does
                 errors.append(error)
                 return 1
@@ -166,7 +177,7 @@ class Circle:
     ----------
     found : (transform, compliance), of `Contact.circle`
     boxes : int
-    raw : (int, int), rounded extents that it is found by
+    raw : (int, int, int), rounded extents that it is found by, and spacings between its points
     quick : bool, whether there is one in single precision, too
     like : Circle of the same shape whose symbol is this one's, too, or None
     """
@@ -176,7 +187,7 @@ class Circle:
         self.compliance = compliance = np.ascontiguousarray(compliance, dtype=float)
         self._symbol = np.empty((boxes, compliance.size)) if like is None else like._symbol
         own = self.structure = structures.Circle(no_lag=self._at_no_lag() if boxes > 1 else 0.0)
-        own.raw[:] = raw
+        own.raw[:], own.apart = raw[:2], raw[2]
         if quick:
             own.quick = ctypes.pointer(self.transform.single.structure)
         own.transform = ctypes.pointer(self.transform.structure)

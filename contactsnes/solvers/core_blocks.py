@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from ..grid.lengths import fast_length
+from ..grid.active import Nodes
+from ..grid.patches import circle_points, patch
 from ..grid.transfer import extent
 
 
@@ -25,16 +26,20 @@ class CoreBlock:
         same
     """
 
+    apart = 1
+
     def __init__(self, form, component, weight, mean_tangent, pad, scale=None):
         window = form.window
         self.boxes = (len(window.parts), *window.shape)
+        if isinstance(self, PatchedBlock):
+            self.apart, self._within = patch(form.contact, component, float(mean_tangent[0]))
         extents = self._find(window, weight, scale)
         # Few sizes, so that transforms and symbols are made once and found again.
-        circle = tuple(min(total, fast_length(_rounded(pad * extent)))
+        circle = tuple(circle_points(_rounded(pad * extent), total, self.apart)
                        for extent, total in zip(extents, window.limits))
         self.transform, self.compliance = form.contact.circle(
             component, circle, window.even, len(window.parts),
-            window.of(component) if window.even else None)
+            window.of(component) if window.even else None, self.apart)
         self._stiffness, self._symbols = mean_tangent, {}
         self._lay_out(window)
 
@@ -71,36 +76,58 @@ class CoreBlock:
         plan.leave(self._into, self._back, core)
 
 
-class ScatteredBlock(CoreBlock):
-    """A core block of some nodes of a box, `active.Nodes`: scattered on the circle and gathered
-    again."""
+class PatchedBlock(CoreBlock):
+    """A core block of nodes of a box in the plane, in patches: M^-1 r = r - a (g + P (G - g) R) (a
+    r) with G = 1 - S = C D / (1 + C D).
+
+    R takes the mean of each patch, P gives it to its nodes: the circle has a point a patch. C is
+    small for waves that are shorter, and one number g is G for all of them (two grids for an
+    equation of the second kind: Hackbusch, Multi-Grid Methods and Applications, chapter 16).
+
+    Parameters
+    ----------
+    form, component, weight, mean_tangent, pad : as of `CoreBlock`, on a window of one box
+    """
 
     def _find(self, window, weight, scale):
         """Take the core's nodes with their weights; its extents."""
         self.core = np.flatnonzero(weight)
-        self.root, self.outside = np.sqrt(weight[self.core]), 1.0 - weight[self.core]
-        nodes = [line + start for line, start in zip(
-            np.unravel_index(window.places[self.core], window.shape), window.start)]
+        self._into = self._back = np.sqrt(weight[self.core])
+        places = window.places[self.core] if isinstance(window, Nodes) else self.core
+        nodes = [line + start for line, start in zip(np.unravel_index(places, window.shape),
+                                                     window.start)]
+        # patches are those of the cell, whose rows one process has
         first = [window.grid.lowest(line) for line in nodes]
-        self._nodes = [line - start for line, start in zip(nodes, first)]
-        rows = self._nodes[0]
-        self._rows = (int(rows.min()), int(np.ptp(rows)) + 1) if rows.size else (0, 0)
+        self._nodes = [line - start // self.apart * self.apart for line, start in zip(nodes, first)]
         return [1 - window.grid.lowest(-line) for line in self._nodes]
 
     def _lay_out(self, window):
-        """Find the core's place on the circle."""
-        self.transform = window.grid.placed(self.transform, *self._rows)
-        rows, columns = self._nodes
-        self.inside = (rows - self._rows[0]) * self.transform.real.shape[-1] + columns
+        """Find the patches of the nodes on the circle."""
+        rows, columns = (line // self.apart for line in self._nodes)
+        here = (int(rows.min()), int(np.ptp(rows)) + 1) if rows.size else (0, 0)
+        self.transform = window.grid.placed(self.transform, *here)
+        self._patch = (rows - here[0]) * self.transform.real.shape[-1] + columns
+        del self._nodes
+
+    def circle(self, single):
+        """(transform, G - g over the nodes of a patch) of the circle, perhaps in single
+        precision."""
+        made = single in self._symbols
+        plan, symbol = super().circle(single)
+        if not made:
+            np.subtract((1.0 - self._within) / plan.gain, symbol, out=symbol)
+            symbol /= self.apart ** 2
+        return plan, symbol
 
     def apply(self, field, single=False):
         """Replace a field (nodes) by M^-1 field: two transforms of the core's circle."""
-        core, (plan, symbol) = field[self.core], self.circle(single)
-        plan.real[...] = 0.0
-        circle = plan.real.reshape(-1)
-        circle[self.inside] = self.root * core
+        plan, symbol = self.circle(single)
+        circle, weighted = plan.real.reshape(-1), self._into * field[self.core]
+        circle[...] = np.bincount(self._patch, weighted, circle.size)
         plan.filter(symbol)
-        field[self.core] = self.outside * core + self.root * circle[self.inside]
+        weighted *= self._within
+        weighted += circle[self._patch]
+        field[self.core] -= self._into * weighted
 
 
 class CoupledBlock:

@@ -6,9 +6,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..grid.active import Nodes
+from ..grid.patches import taken
 from ..options.fields import Options, option
-from .core_blocks import CoreBlock, CoupledBlock, ScatteredBlock, inverse
+from .core_blocks import CoreBlock, CoupledBlock, PatchedBlock, inverse
 
 
 @dataclass(frozen=True)
@@ -105,9 +105,10 @@ class CoreZone:
         """
         if zone is None:
             return None
-        kind = ScatteredBlock if isinstance(self.form.window, Nodes) else CoreBlock
+        window = self.form.window
+        kind = PatchedBlock if taken(window) else CoreBlock
         block = kind(self.form, component, *zone, pad, self._scale)
-        return (block if len(self.form.window.parts) == 1
+        return (block if len(window.parts) == 1
                 else CoupledBlock(self.form, component, block, single))
 
     def _sum(self, fields):

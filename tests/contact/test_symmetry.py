@@ -423,8 +423,9 @@ def test_line_is_half_the_work(name):
 
 def test_sphere_is_a_quarter_of_the_work():
     costs, quarter = same_points(SPHERE, Load(start="normal_force=0", path="normal_force=3"))
+    # (all nodes are preconditioned in patches, which takes a few iterations more)
     assert (quarter[0] == pytest.approx(costs[0], rel=0.1)
-            and quarter[1] == pytest.approx(costs[1], rel=0.1))
+            and quarter[1] == pytest.approx(costs[1], rel=0.2))
     assert 0.12 * costs[2] < quarter[2] < 0.35 * costs[2]
 
 

@@ -18,7 +18,7 @@ from contactsnes.grid.spots import corrected_count, labelled, sizes
 from contactsnes.grid import transfer
 from contactsnes.grid.transfer import refined, resampled, smooth
 from contactsnes.interface.gap import is_convex
-from contactsnes.solvers.core_blocks import CoreBlock, ScatteredBlock
+from contactsnes.solvers.core_blocks import CoreBlock, PatchedBlock
 
 shape, periods = (46, 32), (5.0, 4.0)
 shared, alone = Slabs(shape, periods, MPI.COMM_WORLD), Grid(shape, periods)
@@ -106,10 +106,11 @@ def inverted(grid, rows, columns, circle, single, scattered):
     chosen = np.flatnonzero(part_of(grid)(weight)) if scattered else slice(None)
     window = some(grid.whole, chosen) if scattered else grid.whole
     form = SimpleNamespace(window=window, components=1, contact=SimpleNamespace(
+        grid=grid, body=SimpleNamespace(diagonal=symbols), ranges=[1.0],
         circle=lambda component, extents, *rest: (
             (grid.circle or grid.transform)(grid, circle, 1),
             grid.symbols(symbols, 1, circle)[0, 0])))
-    make = ScatteredBlock if scattered else CoreBlock
+    make = PatchedBlock if scattered else CoreBlock
     block = make(form, 0, part_of(grid)(weight).reshape(-1)[chosen], np.array([2.0]), 1.0)
     field = part_of(grid)(cell[0]).reshape(-1)[chosen].copy()
     block.apply(field, single)
@@ -158,7 +159,7 @@ for single in (False, True):
 
 # values at other nodes: the same, or those of a nearest one
 values = cell[:, mask]
-few = np.flatnonzero(mask & (x < 0.5))
+few = np.flatnonzero(mask & (x < 1.5))
 for wanted in (np.flatnonzero(widened(alone, mask, 1)), np.arange(mask.size)):
     known = np.zeros(mask.size, dtype=bool)
     known[few] = True
