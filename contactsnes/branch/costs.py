@@ -14,7 +14,7 @@ from .grid_choice import active_part, cell_of, window_part
 from .memory import memory_of_solve
 from .theory import sliding_displacement, theory
 
-START, EACH, NODE = 0.45, {1: 0.006, 2: 0.015}, 6e-8
+START, EACH, NODE = 0.35, {1: 0.006, 2: 0.015}, 6e-8
 """Processor time of a run besides its points, of a point by dimension, and of its observables for
 each node, s."""
 SECONDS = 1.2e-9
@@ -22,7 +22,7 @@ SECONDS = 1.2e-9
 TRANSFORMS = {(1, False): 35.0, (1, True): 150.0, (2, False): 30.0, (2, True): 100.0}
 """Transforms that a point takes of the circle its window is solved on, by dimension and whether it
 is sheared; those in single precision count half."""
-ROUGH, COUPLED, ESTIMATED = {False: 70.0, True: 90.0}, 2.0, 4.5
+ROUGH, COUPLED, ESTIMATED = {False: 50.0, True: 65.0}, 2.0, 4.5
 """Such transforms of a gap that is known on nodes only; times as many where normal and tangential
 displacements are coupled, and where errors are estimated."""
 STEPS, STOPPED, FOLDED, JUMPING = 22, 0.65, 4, 4
