@@ -91,22 +91,28 @@ class PatchedBlock(CoreBlock):
 
     def _find(self, window, weight, scale):
         """Take the core's nodes with their weights; its extents."""
-        self.core = np.flatnonzero(weight)
+        self.core = np.flatnonzero(weight).astype(np.intc)
         self._into = self._back = np.sqrt(weight[self.core])
         places = window.places[self.core] if isinstance(window, Nodes) else self.core
-        nodes = [line + start for line, start in zip(np.unravel_index(places, window.shape),
-                                                     window.start)]
+        rows, columns = np.divmod(places, np.intc(window.shape[1]))
         # patches are those of the cell, whose rows one process has
-        first = [window.grid.lowest(line) for line in nodes]
-        self._nodes = [line - start // self.apart * self.apart for line, start in zip(nodes, first)]
+        for line, start in zip((rows, columns), window.start):
+            line += start
+            line -= window.grid.lowest(line) // self.apart * self.apart
+        self._nodes = rows, columns
         return [1 - window.grid.lowest(-line) for line in self._nodes]
 
     def _lay_out(self, window):
         """Find the patches of the nodes on the circle."""
-        rows, columns = (line // self.apart for line in self._nodes)
+        rows, columns = self._nodes
+        for line in self._nodes:
+            line //= self.apart
         here = (int(rows.min()), int(np.ptp(rows)) + 1) if rows.size else (0, 0)
         self.transform = window.grid.placed(self.transform, *here)
-        self._patch = (rows - here[0]) * self.transform.real.shape[-1] + columns
+        rows -= here[0]
+        rows *= self.transform.real.shape[-1]
+        rows += columns
+        self._patch = rows
         del self._nodes
 
     def circle(self, single):
