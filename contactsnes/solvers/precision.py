@@ -32,8 +32,12 @@ def is_large(form):
 
 
 def pays(form, wanted):
-    """Whether solves of a form may be in single precision by ``-contact_linear_precision``."""
-    return form.has_single and (wanted == "single" or (wanted == "auto" and is_large(form)))
+    """Whether solves of a form may be in single precision by ``-contact_linear_precision``: on
+    planes the library's transforms are so within its own products alone, which a law that is
+    NumPy's has none of."""
+    able = form.has_single and (form.kernel is not None or not form.contact.kernels.compiled
+                                or len(form.grid.shape) == 1)
+    return able and (wanted == "single" or (wanted == "auto" and is_large(form)))
 
 
 def trusted(form, warm):

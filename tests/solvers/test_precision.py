@@ -11,6 +11,8 @@ from contactsnes.branch.corrector import TURNED  # noqa: E402
 from contactsnes.contact.forms import DisplacementForm  # noqa: E402
 from contactsnes.contact.problem import Contact  # noqa: E402
 from contactsnes.grid.counter import Counter  # noqa: E402
+from contactsnes.kernels import laws as kernel_laws  # noqa: E402
+from contactsnes.kernels import library
 from contactsnes.options.fields import InputError  # noqa: E402
 from contactsnes.scene.load import Load  # noqa: E402
 from contactsnes.scene.settings import Form, Scene, Steps  # noqa: E402
@@ -96,6 +98,25 @@ def test_the_library_does_as_python():
     counts = [[(spent(points, name)) for name in ("transforms", "transforms_single")]
               for points, _ in (run(PLANE, load, kernels=kernels) for kernels in KERNELS)]
     np.testing.assert_allclose(*counts, rtol=1e-9)
+
+
+@pytest.mark.skipif(library.reason() is not None, reason=str(library.reason()))
+@pytest.mark.parametrize("given", [PLANE, {**PLANE, "geometry": "rough", "rough_on": "flat",
+                                           "rough_slope": 0.5, "rough_longest": 6.0,
+                                           "rough_shortest": 2.0}], ids=["sphere", "rough"])
+def test_a_law_that_is_not_compiled_is_in_double_precision_on_planes(monkeypatch, given):
+    """The library's transforms are there, its products are not."""
+    def fail(law, cache):
+        raise library.Unavailable("there is no C compiler")
+
+    monkeypatch.setattr(kernel_laws, "with_kernel", fail)
+    points, branch = run(given, PRESSED)
+    assert branch.corrector.form.kernel is None
+    assert not any(point.spent["transforms_single"] for point in points)
+    others, _ = run(given, PRESSED, kernels="off")
+    np.testing.assert_allclose([point.forces for point in points],
+                               [point.forces for point in others], rtol=1e-7)
+
 
 
 @pytest.mark.parametrize("kernels", KERNELS)
