@@ -38,10 +38,11 @@ def taken(window):
 
 
 def shortest(contact, component):
-    """{nodes of a patch in each direction: `compliance_between`}, of those that the cell is made
-    of, the largest first."""
-    return {apart: compliance_between(contact, component, apart) for apart in PATCHES
-            if contact.grid.in_patches(apart)}
+    """(nodes of a patch in each direction, `compliance_between`) of those that the cell is made of,
+    the largest first: each is found when it is asked for."""
+    for apart in PATCHES:
+        if contact.grid.in_patches(apart):
+            yield apart, compliance_between(contact, component, apart)
 
 
 def patch(contact, component, tangent):
@@ -53,7 +54,7 @@ def patch(contact, component, tangent):
     tangent : float, D, its mean tangent, dimensionless
     """
     apart, product = next((apart, compliance * tangent) for apart, compliance
-                          in shortest(contact, component).items()
+                          in shortest(contact, component)
                           if not compliance * tangent > PATCHES[apart])
     return apart, product / (1.0 + product)
 

@@ -314,7 +314,7 @@ static void keep_picked(Zone *z, Block *b, const double *tangent)
         const long place[2] = {here / c, here % c};
         if (!(w > 0.0)) continue;
         b->node[b->picked] = (int)k;
-        b->into[b->picked] = b->back[b->picked] = sqrt(w);
+        b->into[b->picked] = sqrt(w);
         b->picked++;
         for (int axis = 0; axis < 2; axis++) {
             if (place[axis] < first[axis]) first[axis] = place[axis];

@@ -81,7 +81,7 @@ class CompiledZone:
         own = self.structure
         own.start[:], own.sizes[:], own.left[:] = window.start, (*PATCHES,), (*PATCHES.values(),)
         for i in range(self.form.components):
-            known = shortest(self.form.contact, i)
+            known = dict(shortest(self.form.contact, i))
             own.shortest[i][:] = [known.get(apart, 0.0) for apart in PATCHES]
 
     def _blocks(self, window, count):

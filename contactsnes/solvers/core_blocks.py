@@ -31,8 +31,6 @@ class CoreBlock:
     def __init__(self, form, component, weight, mean_tangent, pad, scale=None):
         window = form.window
         self.boxes = (len(window.parts), *window.shape)
-        if isinstance(self, PatchedBlock):
-            self.apart, self._within = patch(form.contact, component, float(mean_tangent[0]))
         extents = self._find(window, weight, scale)
         # Few sizes, so that transforms and symbols are made once and found again.
         circle = tuple(circle_points(_rounded(pad * extent), total, self.apart)
@@ -86,13 +84,18 @@ class PatchedBlock(CoreBlock):
 
     Parameters
     ----------
-    form, component, weight, mean_tangent, pad : as of `CoreBlock`, on a window of one box
+    form, component, weight, mean_tangent, pad, scale : as of `CoreBlock`, on a window of one box
+        whose fields have no scale
     """
+
+    def __init__(self, form, component, weight, mean_tangent, pad, scale=None):
+        self.apart, self._within = patch(form.contact, component, float(mean_tangent[0]))
+        super().__init__(form, component, weight, mean_tangent, pad, scale)
 
     def _find(self, window, weight, scale):
         """Take the core's nodes with their weights; its extents."""
         self.core = np.flatnonzero(weight).astype(np.intc)
-        self._into = self._back = np.sqrt(weight[self.core])
+        self._into = np.sqrt(weight[self.core])
         places = window.places[self.core] if isinstance(window, Nodes) else self.core
         rows, columns = np.divmod(places, np.intc(window.shape[1]))
         # patches are those of the cell, whose rows one process has

@@ -108,8 +108,8 @@ def test_stiff_cores_and_odd_cells_have_smaller_patches():
               for apart, limit in patches.PATCHES.items()}
     assert [patches.patch(contact, 0, tangent)[0] for tangent in
             (0.99 * limits[4], 1.01 * limits[4], 1.01 * limits[2], math.nan)] == [4, 2, 1, 4]
-    found = [patches.shortest(Contact(Scene(dimension=2, points=points, period=8.0,
-                                            geometry="sphere", normal_maugis=2.0)), 0)
+    found = [dict(patches.shortest(Contact(Scene(dimension=2, points=points, period=8.0,
+                                            geometry="sphere", normal_maugis=2.0)), 0))
              for points in (18, (16, 22))]
     assert [[*known] for known in found] == [[2, 1], [2, 1]]
 
