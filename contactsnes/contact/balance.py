@@ -8,7 +8,7 @@ import numpy as np
 
 from ..grid.active import Nodes
 from ..grid.boxes import convolution
-from ..grid.even import asymmetry
+from ..grid.parity import asymmetry
 from .even_form import EvenForm
 from .forms import DisplacementForm
 from .state import State

@@ -12,9 +12,8 @@ import numpy as np
 from ..grid.active import widened
 from ..grid.boxes import fitting
 from ..grid.cell import Convolution, Grid
-from ..grid.even import asymmetry
 from ..grid.operator import Operator
-from ..grid.parity import UNEVEN
+from ..grid.parity import UNEVEN, asymmetry
 from ..grid.windows import enclosing
 from ..interface import bodies, laws, shapes
 from ..interface.gap import gap_of_heights, is_convex, over_nodes

@@ -4,8 +4,8 @@ the method allows it, until a state is not."""
 from functools import cache, partial
 
 from ..grid.boxes import cost
-from ..grid.even import asymmetry, centred, halved, lone, unlike
-from ..grid.parity import obstacle
+from ..grid.even import centred, halved, lone, unlike
+from ..grid.parity import asymmetry, obstacle
 from ..grid.parity import parities as parities_of
 from ..options.fields import InputError
 from .even_form import EvenForm

@@ -11,7 +11,8 @@ from ..contact.states import State
 from ..contact.symmetry import EVEN
 from ..continuation.bifurcations import NEUTRAL
 from ..continuation.points import NotConverged
-from ..grid.even import asymmetry, centred
+from ..grid.even import centred
+from ..grid.parity import asymmetry
 from ..options.database import read
 from ..options.fields import InputError
 from ..solvers.capabilities import asked, has_modes

@@ -39,44 +39,6 @@ def lone(window):
                                for axis in range(len(window.grid.shape))], axis=0))[0]
 
 
-def asymmetry(window, values, parities=None):
-    """Largest difference of values (arrays, nodes) between mirror images in a window; inf if it
-    does not hold the apex.
-
-    Parameters
-    ----------
-    window : Window
-    values : arrays (arrays, nodes)
-    parities : for each array and direction 1 (even) or -1 (odd); None: all are even
-    """
-    signs = np.ones((len(values), len(window.grid.shape))) if parities is None \
-        else np.array(parities, dtype=float)
-    signs = [sign.reshape(-1, *[1] * len(window.grid.shape)) for sign in signs.T]
-    if len(window.parts) > 1 or (window.grid.shared and window.parts[0] is not window):
-        cell = np.full((len(values), *window.grid.local_shape), math.inf)
-        window.put(values, cell)
-        differences = (np.abs(cell - sign * window.grid.mirrored(cell, axis))
-                       for axis, sign in enumerate(signs))
-        with np.errstate(invalid="ignore"):
-            return float(window.grid.largest(max(
-                np.max(difference, where=np.isfinite(difference), initial=0.0)
-                for difference in differences)))
-    box, largest = window.box(values), 0.0
-    for axis, (first, extent, total) in enumerate(zip(window.origin, window.extents,
-                                                      window.grid.shape), start=1):
-        middle = (total // 2 - first) % total
-        reach = min(middle, extent - 1 - middle)
-        if reach < 0:
-            return math.inf
-        # (an odd field vanishes in the middle, and where the cell closes on itself)
-        sign = signs[axis - 1].swapaxes(axis, 0)
-        after, before, first = window.images(box, axis, middle, reach)
-        largest = np.maximum(largest, np.max(np.abs(after - sign * before), initial=0.0))
-        if extent == total:
-            largest = np.maximum(largest, np.max(np.abs((1.0 - sign) * first), initial=0.0))
-    return float(window.grid.largest(largest))
-
-
 class EvenGrid(Grid):
     """A grid whose reductions run over half of the nodes of even fields (a quarter in the plane),
     each with its weight."""
@@ -243,8 +205,24 @@ class EvenWindow:
         return np.concatenate([line[:0:-1], line[:self.full.extents[axis] - len(line) + 1]])
 
     def fold(self, values):
-        """Values (..., nodes) of the full window at these nodes."""
-        return values.take(self._folded, axis=-1)
+        """Values (..., nodes) of the full window at these nodes; what is odd is so for arrays
+        (components, nodes) alone."""
+        return self._odd(values.take(self._folded, axis=-1))
+
+    def _odd(self, values):
+        """Values at these nodes, where odd components now vanish on the mirrors themselves: the
+        equations there are empty, and what rounding leaves could not be solved away."""
+        for field, signs in zip(self.box(values), self.parities or () if values.ndim > 1 else ()):
+            for axis, odd in enumerate(signs):
+                if odd < 0:
+                    numbers, last = self._numbers(axis), self.extents[axis] - 1
+                    negate(field, axis, slice(0),
+                           [numbers == 0, numbers == last] if self.closed[axis] else [numbers == 0])
+        return values
+
+    def _numbers(self, axis):
+        """Numbers of nodes from the apex outwards along an axis."""
+        return np.arange(self.extents[axis])
 
     def unfold(self, values):
         """Values (..., nodes) of the full window from those at these nodes; what is odd is so for

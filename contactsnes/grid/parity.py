@@ -1,6 +1,7 @@
 """In which directions the components of a displacement are even about the apex, in which odd: what
-the gap, the body and the loads leave open."""
+the gap, the body and the loads leave open; and how far fields are from that."""
 
+import math
 import weakref
 
 import numpy as np
@@ -108,3 +109,41 @@ def obstacle(contact, components, loaded=()):
                 "moves evenly, and normal loads oddly")
     return ("tangential displacements along and across a load are even in different directions, "
             "and there are loads along both")
+
+
+def asymmetry(window, values, parities=None):
+    """Largest difference of values (arrays, nodes) between mirror images in a window; inf if it
+    does not hold the apex.
+
+    Parameters
+    ----------
+    window : Window
+    values : arrays (arrays, nodes)
+    parities : for each array and direction 1 (even) or -1 (odd); None: all are even
+    """
+    signs = np.ones((len(values), len(window.grid.shape))) if parities is None \
+        else np.array(parities, dtype=float)
+    signs = [sign.reshape(-1, *[1] * len(window.grid.shape)) for sign in signs.T]
+    if len(window.parts) > 1 or (window.grid.shared and window.parts[0] is not window):
+        cell = np.full((len(values), *window.grid.local_shape), math.inf)
+        window.put(values, cell)
+        differences = (np.abs(cell - sign * window.grid.mirrored(cell, axis))
+                       for axis, sign in enumerate(signs))
+        with np.errstate(invalid="ignore"):
+            return float(window.grid.largest(max(
+                np.max(difference, where=np.isfinite(difference), initial=0.0)
+                for difference in differences)))
+    box, largest = window.box(values), 0.0
+    for axis, (first, extent, total) in enumerate(zip(window.origin, window.extents,
+                                                      window.grid.shape), start=1):
+        middle = (total // 2 - first) % total
+        reach = min(middle, extent - 1 - middle)
+        if reach < 0:
+            return math.inf
+        # (an odd field vanishes in the middle, and where the cell closes on itself)
+        sign = signs[axis - 1].swapaxes(axis, 0)
+        after, before, first = window.images(box, axis, middle, reach)
+        largest = np.maximum(largest, np.max(np.abs(after - sign * before), initial=0.0))
+        if extent == total:
+            largest = np.maximum(largest, np.max(np.abs((1.0 - sign) * first), initial=0.0))
+    return float(window.grid.largest(largest))

@@ -69,8 +69,12 @@ class SlabEven(EvenWindow):
         return self._outwards(self.full.grid.rows, field, self.full.grid.shape)
 
     def fold(self, values):
-        """Values (..., nodes) of the full window at these nodes."""
-        return self._outwards(self.full.rows, self.full.box(values), self.full.extents)
+        """As `EvenWindow.fold`."""
+        return self._odd(self._outwards(self.full.rows, self.full.box(values), self.full.extents))
+
+    def _numbers(self, axis):
+        """As `EvenWindow._numbers`, of those here."""
+        return super()._numbers(axis) if axis else self.rows.numbers
 
     def unfold(self, values):
         """Values (..., nodes) of the full window from those at these nodes; what is odd is so for

@@ -14,12 +14,12 @@ from mpi4py import MPI
 from contactsnes.grid.alternation import REACH, across_rows, alternation
 from contactsnes.grid.cell import Grid
 from contactsnes.grid.cosines import Cosines, EvenConvolution
-from contactsnes.grid.even import asymmetry, centred, halved, lone
+from contactsnes.grid.even import centred, halved, lone
 from contactsnes.grid.nearest import nearest
 from contactsnes.grid.numbers import numbers_of, restored
 from contactsnes.grid.outlines import outline
 from contactsnes.grid.operator import Operator
-from contactsnes.grid.parity import parity
+from contactsnes.grid.parity import asymmetry, parity
 from contactsnes.grid.precision import in_single
 from contactsnes.grid.slabs import Slabs
 from contactsnes.grid.transfer import smooth
@@ -101,6 +101,7 @@ for extents in (shape, (23, 32), (46, 15), (21, 11), (5, 7), (3, 5)):
         folded = all_quarter.fold(even)
         assert np.array_equal(quarter.fold(part(even)), own(folded))
         assert np.array_equal(quarter.unfold(own(folded)), part(even))
+        assert np.array_equal(quarter.fold(mine), own(all_quarter.fold(values)))
         assert np.array_equal(quarter.take(shared.part_of(cell)), own(all_quarter.take(cell)))
         assert np.array_equal(quarter.rim(), own(all_quarter.rim()[None])[0])
         assert np.allclose(quarter.sum(own(folded)), all_quarter.sum(folded))
