@@ -22,7 +22,7 @@ import math
 import numpy as np
 from scipy.fft import next_fast_len
 from scipy.interpolate import make_interp_spline
-from scipy.special import itj0y0, j0, j1, jv, sici, struve
+from scipy.special import itj0y0, j0, j1, sici, struve
 
 from ..grid.cell import Grid, Transform
 from ..grid.operator import Operator
@@ -192,11 +192,12 @@ def _add_layer(body, axes, distance, kernels, components):
     smooth."""
     x, y = np.meshgrid(*axes, indexing="ij")
     r = np.hypot(x, y)
-    normal, mean, bent, slope = (spline(r.ravel()).reshape(r.shape)
-                                 for spline in _layer_splines(body, distance))
+    normal, *others = (spline(r.ravel()).reshape(r.shape)
+                       for spline in _layer_splines(body, distance, components))
     kernels[0, 0] += normal
     if components == 1:
         return
+    mean, bent, slope = others
     r[0, 0] = 1.0
     cosine = x / r
     sine = y / r
@@ -209,9 +210,21 @@ def _add_layer(body, axes, distance, kernels, components):
     kernels[1, 2] = kernels[2, 1] = kernels.get((1, 2), 0.0) - 2.0 * bent * cosine * sine
 
 
-def _layer_splines(body, distance):
+def _j2(x):
+    """J_2(x), to rounding of 1: by recurrence in a fifth of the time of SciPy's own."""
+    return 2.0 * np.divide(j1(x), x, out=np.full_like(x, 0.5), where=x > 0.0) - j0(x)
+
+
+def _layer_splines(body, distance, components):
     """Splines over r of 1/(2 pi) times the integrals of C_nn, tangential mean, half difference and
-    c: layer less half-space."""
+    c: layer less half-space; of one component, the first.
+
+    Parameters
+    ----------
+    body : Layer
+    distance : float, the largest r
+    components : int
+    """
     q, weights = _panels(THICK / body.height, distance)
     layer, half = (layer_compliance(q, body.poisson, height) for height in (body.height, math.inf))
     change = Surface(*(first - second for first, second in zip(layer, half)))
@@ -219,10 +232,12 @@ def _layer_splines(body, distance):
     weights = weights * q / (2 * math.pi)
     orders = ((0, change.normal), (0, (change.longitudinal + change.transverse) / 2),
               (2, (change.longitudinal - change.transverse) / 2), (1, change.coupling))
+    orders = orders[:1] if components == 1 else orders
     values = np.empty((len(orders), PLACES))
     for part in np.array_split(np.arange(PLACES), max(1, PLACES * q.size // 2 ** 20)):
         phase = np.outer(r[part], q)
-        bessel = {0: j0(phase), 1: j1(phase), 2: jv(2, phase)}
+        bessel = {order: function(phase) for order, function in enumerate((j0, j1, _j2))
+                  if order in dict(orders)}
         for row, (order, surface) in enumerate(orders):
             values[row, part] = bessel[order] @ (surface * weights)
     return [make_interp_spline(r, row, k=5) for row in values]
