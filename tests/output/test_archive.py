@@ -116,13 +116,14 @@ def check(path, fields="none"):
     assert np.array_equal(record["leg"], numbers)
     assert np.array_equal(record["normal_force"], numbers / 3)
     assert list(record["event"]) == [("none", "fold")[number % 2] for number in numbers]
-    for number in record.field_points[::40] + record.field_points[-3:]:
-        assert np.all(record.field("displacement", number) == number)
+    chosen = sorted({*record.field_points[::40], *record.field_points[-3:]})
+    for number, (displacement, traction) in zip(chosen, record.each(chosen)):
+        assert np.all(displacement == number)
         expected = np.full((2, X.size), -float(number))
         if record.on_active:
             assert np.array_equal(record.active(number)["nodes"], active_nodes(number))
             expected[:, np.setdiff1d(np.arange(X.size), active_nodes(number))] = 0.0
-        assert np.array_equal(record.field("traction", number), expected)
+        assert np.array_equal(traction, expected)
     resumed = Archive.resume(path, **(fields_content(fields) if record.coordinates else content()))
     last = [state["load"] for state in resumed.states()]
     assert last == [number / 7 for number in numbers[-4:]]
@@ -529,25 +530,26 @@ class Recorder(io.BytesIO):
         return super().truncate(size)
 
     def prefixes(self, before):
-        """Contents of the file after each change, large ones cut where a kill can cut them: between
-        pages, the first and last ones of many."""
-        content = bytearray(before)
+        """Contents of the file after each change that makes it another one, large ones cut where a
+        kill can cut them: between pages, the first and last ones of many."""
+        content, last = bytearray(before), None
         for start, data in self.changes:
             if data is None:
                 content = content[:start] + bytes(max(0, start - len(content)))
-                yield bytes(content)
-                continue
+                data = b""
             pages = list(range(4096 - start % 4096, len(data), 4096))
             cuts = [0, *(pages if len(pages) < 6 else pages[:2] + pages[-2:]), len(data)]
-            for first, last in zip(cuts, cuts[1:]):
-                content.extend(bytes(max(0, start + last - len(content))))
-                content[start + first : start + last] = data[first:last]
-                yield bytes(content)
+            for first, end in zip(cuts, cuts[1:]):
+                content.extend(bytes(max(0, start + end - len(content))))
+                content[start + first : start + end] = data[first:end]
+                if content != last:
+                    last = bytes(content)
+                    yield last
 
 
 @pytest.mark.parametrize("fields, points", [
-    *itertools.product(["none", "last", "all", "active last", "active all", "parted last",
-                        "parted all", "parted active all"], [3, 66]),
+    *itertools.product(["none", "last", "all", "active last", "active all"], [3, 66]),
+    *itertools.product(["parted last", "parted all", "parted active all"], [66]),
     *itertools.product(["none", "last"], [0]),
     ("all", 65)])  # from 65 on two points share a chunk of the fields
 def test_every_prefix_of_the_changes_of_a_point_is_an_archive(tmp_path, monkeypatch, fields,
@@ -581,7 +583,7 @@ def test_every_prefix_of_the_changes_of_a_point_is_an_archive(tmp_path, monkeypa
         counts.append(record.points)
         stored.append(len(record.field_points))
     assert set(counts) == {points, points + 1} and counts == sorted(counts)
-    assert len(counts) > 10
+    assert len(recorders[0].changes) > 10
     if fields.endswith("last"):
         assert set(stored) == {0, 1}  # the one array is gone while it is overwritten
 
@@ -740,7 +742,7 @@ def test_a_run_goes_on_with_the_fields_that_are_there(tmp_path, there, here):
 
 
 @pytest.mark.parametrize("fields", ["none", "last", "all"])
-@pytest.mark.parametrize("count", [1, 2, 3, 4, 5, 9, 40])
+@pytest.mark.parametrize("count", [1, 3, 4, 5, 40])
 def test_a_resumed_run_takes_the_journal_in(tmp_path, monkeypatch, fields, count):
     archive = waiting(tmp_path / "run.h5", monkeypatch, count, fields)
     del archive  # killed

@@ -24,24 +24,39 @@ SI = {"units": "si", "work_of_adhesion_normal": 0.03, "work_of_adhesion_tangenti
       "contact_modulus": 2e6, "radius": 0.01, "range_normal": 1e-6, "range_tangential": 1e-6}
 
 
-def written(folder, scene, path, on, precision="double", load_start=None, steps=Steps()):
-    """(Branch, Record of all points of its path)."""
+def written(folder, scene, path, *kinds, load_start=None, steps=Steps()):
+    """The branch of a path, and a Record of all its points of each kind of archive.
+
+    Parameters
+    ----------
+    folder : pathlib.Path
+    scene : Scene
+    path, load_start : str
+    kinds : str, 'cell' or 'active', and a precision if it is not double
+    steps : Steps
+    """
     branch = Branch(scene, Load(start=load_start, path=path), steps)
-    kept = {"compliance": compliance(branch.contact)} if on == "active" else {}
-    rows = table(scene)
-    archive = Archive.create(
-        folder / f"{on}.h5", scene=branch.attributes(), options=f'-load_path "{path}"',
-        versions={}, columns={name: Column(row.unit, row.kind, row.names)
-                              for name, row in rows.items()},
-        fields="all", components=scene.components,
-        precision=precision, **frame(branch.contact), **kept)
+    rows, archives = table(scene), {}
+    for kind in kinds:
+        on, _, precision = kind.partition(" ")
+        kept = {"compliance": compliance(branch.contact)} if on == "active" else {}
+        archives[kind] = Archive.create(
+            folder / f"{kind}.h5", scene=branch.attributes(), options=f'-load_path "{path}"',
+            versions={}, columns={name: Column(row.unit, row.kind, row.names)
+                                  for name, row in rows.items()},
+            fields="all", components=scene.components,
+            precision=precision or "double", **frame(branch.contact), **kept)
     for point in branch:
         measured = Measurement(branch.contact, point)
-        fields, active = ((), measured.active_fields()) if kept else (measured.fields(), {})
-        archive.append({name: row.function(measured) for name, row in rows.items()},
-                       branch.packed(point), *fields, **active)
-    archive.finish()
-    return branch, read(archive.path)
+        row, state = ({name: row.function(measured) for name, row in rows.items()},
+                      branch.packed(point))
+        for kind, archive in archives.items():
+            fields, active = ((measured.fields(), {}) if kind == "cell"
+                              else ((), measured.active_fields()))
+            archive.append(row, state, *fields, **active)
+    for archive in archives.values():
+        archive.finish()
+    return branch, *(read(archive.path) for archive in archives.values())
 
 
 @pytest.mark.parametrize("scene, path, start", [
@@ -58,8 +73,8 @@ def test_the_cell_is_rebuilt(tmp_path, scene, path, start):
     if scene["period"] == np.inf:
         scene = {name: value for name, value in scene.items() if name != "points"}
     scene, steps = Scene(**scene), Steps(initial_step=0.2)
-    _, cell = written(tmp_path, scene, path, "cell", load_start=start, steps=steps)
-    branch, active = written(tmp_path, scene, path, "active", load_start=start, steps=steps)
+    _, cell, active = written(tmp_path, scene, path, "cell", "active", load_start=start,
+                              steps=steps)
     assert active.on_active and not cell.on_active and active.units["traction"]
     for point in (0, active.points // 2, active.points - 1):
         kept = active.active(point)
@@ -75,8 +90,8 @@ def test_what_is_not_kept_is_said_and_nothing_else_given(tmp_path):
     """A name that is none gave another field of an archive on active nodes, and was taken for
     damage elsewhere."""
     scene = Scene(**LINE)
-    for on in ("cell", "active"):
-        _, record = written(tmp_path, scene, "normal_displacement=0.5", on)
+    _, *records = written(tmp_path, scene, "normal_displacement=0.5", "cell", "active")
+    for on, record in zip(("cell", "active"), records):
         np.testing.assert_array_equal(record.field("traction", -1),
                                       record.field("traction", record.points - 1))
         (traction,), (again,) = record.each([0, np.int64(-record.points)], ["traction"])
@@ -101,10 +116,7 @@ def test_what_is_not_kept_is_said_and_nothing_else_given(tmp_path):
 def test_fields_in_si_and_in_single_precision(tmp_path):
     scene = Scene.typed(**SI, dimension=2, geometry="sphere", period=6e-4, points=32)
     path = "normal_displacement=1e-6; tangential_displacement_x=2e-6"
-    (tmp_path / "single").mkdir()
-    cell, active, single = (written(*given)[1] for given in (
-        (tmp_path, scene, path, "cell"), (tmp_path, scene, path, "active"),
-        (tmp_path / "single", scene, path, "active", "single")))
+    _, cell, active, single = written(tmp_path, scene, path, "cell", "active", "active single")
     last = cell.points - 1
     for name in ("displacement", "traction"):
         expected = cell.field(name, last)
@@ -134,12 +146,10 @@ def test_mirror_images_are_kept_once(tmp_path):
 
 def test_an_isolated_contact_goes_on_from_any_point(tmp_path):
     scene = Scene(normal_maugis=3.0, period=np.inf, spacing=0.1)
-    for on in ("cell", "active"):
-        branch, record = written(tmp_path, scene, "normal_force=4", on)
-        assert record.points > 6
-        if on == "cell":
-            with pytest.raises(InputError, match="-archive_fields_on active keeps it"):
-                Branch.restart(record, "normal_force=0", 1)
+    _, cell, record = written(tmp_path, scene, "normal_force=4", "cell", "active")
+    assert record.points == cell.points > 6
+    with pytest.raises(InputError, match="-archive_fields_on active keeps it"):
+        Branch.restart(cell, "normal_force=0", 1)
     again = Branch.restart(record, f"normal_force={record['normal_force'][8]}", 4)
     first, *_, last = again
     assert first.residual_norm < 1e-8
