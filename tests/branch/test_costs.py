@@ -115,15 +115,15 @@ def run(points, start, path, slope):
     few = Steps(initial_step=0.1, largest_step=0.1) if slope > 2.0 else Steps()
     jumps = 0
     for point in Branch(scene, Load(start=start, path=path), few):
-        assert points < 512 or point.state.window.is_whole
+        assert points < 384 or point.state.window.is_whole
         jumps += point.event == "jump"
     return jumps
 
 start, path, slope = *sys.argv[1:3], float(sys.argv[3])
 run(64, start, path, slope)
 before = held("VmRSS")
-jumps = run(512, start, path, slope)
-print((held("VmHWM") - before) / 8 / 512 ** 2, jumps)
+jumps = run(384, start, path, slope)
+print((held("VmHWM") - before) / 8 / 384 ** 2, jumps)
 """
 
 
@@ -132,16 +132,16 @@ print((held("VmHWM") - before) / 8 / 512 ** 2, jumps)
 @pytest.mark.parametrize("start, path, slope, components, most", [
     (1, "normal_displacement=1.4", 6.0, 1, 25.0),
     (1, "normal_displacement=1.1; tangential_displacement_x=0.2", 6.0, 3, 67.0),
-    (0.3, "normal_displacement=0.36", 2.0, 1, 28.0)])
+    (0.33, "normal_displacement=0.3563", 2.0, 1, 27.0)])
 def test_memory_of_a_rough_plane(start, path, slope, components, most):
-    """Where the law acts on all nodes, in arrays of these: measured 22, 60, and 25 where linear
+    """Where the law acts on all nodes, in arrays of these: measured 21, 55, and 24 where linear
     solves are long and a spot jumps; more is told, for solves of 20 iterations, and of 50."""
     arguments = [f"normal_displacement={start}", path, str(slope)]
     done = subprocess.run([sys.executable, "-c", ROUGH, *arguments], capture_output=True,
                           text=True, timeout=300, check=True)
-    nodes, (held, jumps) = components * 512 ** 2, done.stdout.split()
+    nodes, (held, jumps) = components * 384 ** 2, done.stdout.split()
     hard = {"iterations": costs.ITERATIONS} if slope < 6.0 else {}
-    told = memory_of_solve(nodes, nodes, **hard) / 8 / 512 ** 2
+    told = memory_of_solve(nodes, nodes, **hard) / 8 / 384 ** 2
     assert int(jumps) == (slope < 6.0)
     assert 0.5 * told < float(held) < min(most, told)
 
@@ -162,17 +162,17 @@ def run(points):
 
 run(128)
 before = held("VmRSS")
-part = run(1024)
-print((held("VmHWM") - before) / 8 / 1024 ** 2, part)
+part = run(512)
+print((held("VmHWM") - before) / 8 / 512 ** 2, part)
 """
 
 
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="no /proc")
 @pytest.mark.skipif(library.reason() is not None, reason="no compiled library")
 def test_memory_of_an_even_plane():
-    """Where a quarter of nearly all nodes is solved, in arrays of the cell: measured 14. What the
+    """Where a quarter of nearly all nodes is solved, in arrays of the cell: measured 12. What the
     first point asks of all nodes, and of the grid before, is not kept."""
     done = subprocess.run([sys.executable, "-c", EVEN], capture_output=True, text=True,
                           timeout=300, check=True)
     held, part = map(float, done.stdout.split())
-    assert part > 0.5 and held < 18.0
+    assert part > 0.5 and held < 16.0

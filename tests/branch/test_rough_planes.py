@@ -190,14 +190,18 @@ def test_jumps_lose_energy_and_are_told_with_their_places(pressed, folds):
         folds)
 
 
-def test_a_located_fold_lies_in_its_bracket(folds, heights, tmp_path):
+@pytest.fixture(scope="module")
+def located(heights, tmp_path_factory):
+    """The first fold of the branch, located."""
+    branch = branch_of(heights(128), tmp_path_factory.mktemp("located") / "heights.npy",
+                       path=f"normal_displacement={END}",
+                       steps=Steps(at_fold="stop", locate_folds=True, initial_step=0.04,
+                                   largest_step=0.08))
+    return list(branch)[-1]
+
+
+def test_a_located_fold_lies_in_its_bracket(folds, located):
     fold = folds[0][0]
-    start = float(fold.load[0]) - 0.02
-    branch = branch_of(heights(128), tmp_path / "heights.npy", start=start,
-                       path=f"normal_displacement={float(fold.load[0]) + 2 * bracket(fold):g}",
-                       steps=Steps(at_fold="stop", locate_folds=True, initial_step=0.005,
-                                   largest_step=0.01))
-    located = list(branch)[-1]
     assert located.event == "fold" and 0.0 < located.fold_precision <= 1e-8
     assert fold.load[0] <= located.load[0] <= fold.load[0] + bracket(fold)
 
