@@ -39,8 +39,7 @@ ROUGH = ("-scene_dimension", "2", "-scene_points", "16", "-scene_period", "6", "
          "2", "-scene_rough_seed", "3", "-scene_normal_maugis", "3", "-scene_tangential_maugis",
          "1", "-snes_atol", "1e-11", "-continuation_initial_step", "0.5",
          "-continuation_largest_step", "1", "-archive_file", "run.h5", "-archive_fields", "all")
-PRESSED = "normal_displacement=0.5; tangential_displacement_x=0.5"
-PULLED = f"{PRESSED}; normal_displacement=-2"
+PULLED = "tangential_displacement_x=0.1; normal_displacement=-1.6"
 SPHERE = ("-scene_dimension", "2", "-scene_points", "16", "-scene_period", "6", "-scene_geometry",
           "sphere", "-scene_normal_maugis", "2", "-load_path", "normal_displacement=0",
           "-archive_file", "run.h5", "-archive_fields", "all")
@@ -64,7 +63,8 @@ def test_a_run_is_that_of_one_process(tmp_path):
     ended by one."""
     for folder in ("one", "two"):
         (tmp_path / folder).mkdir()
-    words = [*ROUGH, "-continuation_stability", "eigenvalue", "-load_path"]
+    words = [*ROUGH, "-continuation_stability", "eigenvalue", "-load_start",
+             "normal_displacement=-1.2", "-load_path"]
     done = command(1, "run", *words, PULLED, folder=tmp_path / "one")
     assert done.returncode == 0, done.stderr
     done = program(2, IDLE + COMMAND.format(words=["run", *words, PULLED, "-load_stop",
