@@ -32,18 +32,26 @@ run.Run._accept, run.PATIENCE = failing, {patience}
 sys.exit(cli.main(["run", *{words!r}]))"""
 
 
-def failed(size, ranks, error, folder, words=PLANE):
-    """A run in which some processes fail at the fourth point."""
+def failed(size, ranks, error, folder, words=PLANE, fresh=False):
+    """A run in which some processes fail at the fourth point.
+
+    Parameters
+    ----------
+    size, folder, fresh : as of `ranks.Started`
+    ranks : tuple of int, of those that fail
+    error : str, the expression that they raise
+    words : tuple of str, of the run
+    """
     # where others do not, none comes, however long one waits for them
     text = FAILING.format(ranks=ranks, error=error, words=words,
                           patience=5.0 if len(ranks) == size else 0.2)
-    return program(size, text, folder, fresh=True)
+    return program(size, text, folder, fresh)
 
 
 @together
 @pytest.mark.parametrize("ranks", [(0,), (1,), (0, 1)])
 def test_memory_that_lacks_in_some_processes(ranks, tmp_path):
-    done = failed(2, ranks, "MemoryError('1 TB')", tmp_path)
+    done = failed(2, ranks, "MemoryError('1 TB')", tmp_path, fresh=ranks == (1,))
     assert done.returncode == 1, done.stdout + done.stderr
     assert len(done.told) == 1 and "Traceback" not in done.stderr, done.stderr
     assert all(words in done.told[0] for words in ("not enough memory (1 TB)", "3 points are in",
@@ -86,7 +94,7 @@ sys.exit(cli.main(["run", *{words!r}]))"""
 @pytest.mark.parametrize("ranks", [(1, 2), (0, 1)])
 def test_several_that_fail_one_after_another_speak_once(ranks, tmp_path):
     """While the third one goes on, and waits: the last one is ended as it waits for others."""
-    done = program(3, LATER.format(ranks=ranks, words=PLANE), tmp_path, fresh=True)
+    done = program(3, LATER.format(ranks=ranks, words=PLANE), tmp_path, fresh=ranks == (1, 2))
     assert done.returncode == 1 and "Traceback" not in done.stderr, done.stderr
     assert len(done.told) == 1 and "3 points are in" in done.told[0], done.stderr
     assert ("process 2 of 3" in done.told[0]) == (ranks == (1, 2))
@@ -95,7 +103,7 @@ def test_several_that_fail_one_after_another_speak_once(ranks, tmp_path):
 
 @together
 def test_a_process_that_fails_when_others_have_ended_well(tmp_path):
-    done = program(2, AFTERWARDS.format(words=PLANE), tmp_path, fresh=True)
+    done = program(2, AFTERWARDS.format(words=PLANE), tmp_path)
     assert done.returncode == 2 and "Traceback" not in done.stderr, done.stderr
     assert len(done.told) == 1 and "process 2 of 2" in done.told[0], done.stderr
     assert read(tmp_path / "run.h5").complete
@@ -140,8 +148,7 @@ sys.exit(cli.main(["run", *{words!r}]))"""
 def test_a_law_that_fails_within_a_solve_of_one_process(tmp_path):
     """The error passes through PETSc, while the other process waits for a sum."""
     (tmp_path / "law.py").write_text(LAW)
-    done = program(2, BREAKING.format(words=(*PLANE, "-scene_law", "law.py:Failing")), tmp_path,
-                   fresh=True)
+    done = program(2, BREAKING.format(words=(*PLANE, "-scene_law", "law.py:Failing")), tmp_path)
     assert done.returncode == 1, done.stdout + done.stderr
     assert "ValueError: no traction" in done.stderr and "process 2 of 2" in done.stderr
     assert read(tmp_path / "run.h5").points == 3
@@ -152,7 +159,7 @@ def test_a_full_disk(tmp_path):
     limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (400000, 400000))\n"
     words = (*PLANE, "-archive_fields", "all", "-archive_fields_on", "cell")
     text = FAILING.format(ranks=(), error="None", words=words, patience=5.0)
-    done = program(2, limit + text, tmp_path, fresh=True)
+    done = program(2, limit + text, tmp_path)
     assert done.returncode == 1, done.stdout + done.stderr
     points = read(tmp_path / "run.h5").points
     assert len(done.told) == 1 and points, done.stderr
