@@ -193,10 +193,75 @@ def test_a_body_of_ones_own():
      "normal compliance is -1 at the wave number 0.94"),
     ({"surface": lambda self, q: Surface(2.0, 2 / q, 2 / q, 0 * q)},
      "normal compliance has the shape .., .* give one value for each"),
+    ({"local_compliance": 0.0}, "local_compliance is 0.0: both"),
+    ({"surface": lambda self, q: Surface(2 / q, 2 / q, 2 / q, 0.1j / q)},
+     "its coupling compliance is complex"),
+    ({"compliance": lambda self, waves, components: {}}, "a compliance of its own"),
+    ({"stiffness": lambda self, waves, components: {}}, "a stiffness of its own"),
+    ({"transverse_stiffness": -1.0}, "transverse_stiffness is -1: .* positive"),
+    ({"transverse_stiffness": 0.5}, "transverse_stiffness is 0.5, that of its shortest waves 1 of"),
 ))
 def test_what_is_wrong_with_a_body_is_told(changes, words):
     with pytest.raises(InputError, match=f"-scene_body is 'Other.*: .*{words}"):
         Branch(Scene(**LINE), PRESSED, body=type("Other", (Graded,), changes)())
+
+
+@pytest.mark.parametrize("name, claim, dimension", (
+    ("couples", lambda self, smallest: False, 1),
+    ("coupled", lambda self, scene: False, 1),
+    ("anisotropy", lambda self, smallest: 0.0, 2),
+))
+def test_what_a_body_claims_to_lack_is_looked_for(name, claim, dimension):
+    class Tilting(Graded):
+        def surface(self, wavenumber):
+            found = super().surface(wavenumber)
+            return found._replace(coupling=0.1 * found.normal, transverse=2 * found.transverse)
+
+    scene = Scene(**{**LINE, "dimension": dimension, "points": 32,
+                     "geometry": ("cylinder", "sphere")[dimension - 1]})
+    assert Branch(scene, PRESSED, body=Tilting()).contact.couples()
+    with pytest.raises(InputError, match=rf"that it has none by its {name}: .* 0, or {name} = Bo"):
+        Branch(scene, PRESSED, body=type("Other", (Tilting,), {name: claim})())
+
+
+class Stiffer(Layer):
+    """A layer that is stiffer than it is, and says nothing else of itself."""
+
+    surface_stiffness = Body.surface_stiffness
+
+    def surface(self, wavenumber):
+        """`Surface` compliance."""
+        found = super().surface(wavenumber)
+        return found._replace(normal=0.8 * found.normal)
+
+
+@pytest.mark.parametrize("field, words", (
+    (Stiffer.far_field, "says by its far_field.. .*: its normal compliance is"),
+    (lambda self: 3, "its far_field.. is 3: it has to be a Layer, or None"),
+    (Body.far_field, "its kernel on an unbounded flat is not known"),
+))
+def test_an_isolated_body_is_the_layer_that_it_names(field, words):
+    scene, load = Scene(period=math.inf, spacing=0.2), Load(path="normal_force=1")
+    with pytest.raises(InputError, match=words):
+        Branch(scene, load, body=type("Other", (Stiffer,), {"far_field": field})(0.3, math.inf))
+
+
+@pytest.mark.parametrize("poisson", (0.5, 0.3))
+def test_an_isolated_body_of_ones_own_couples_as_its_layer(poisson):
+    class Own(Body):
+        rigid_compliance = (0.0, 0.0)
+
+        def surface(self, wavenumber):
+            return self.far_field().surface(wavenumber)
+
+        def far_field(self):
+            return Layer(poisson, math.inf)
+
+    scene = Scene(period=math.inf, spacing=0.25, normal_maugis=1.0, poisson=poisson,
+                  height=math.inf)
+    own, layer = (last(scene, Load(path="normal_force=1"), **body)
+                  for body in ({"body": Own()}, {}))
+    np.testing.assert_allclose(own.state.displacement, layer.state.displacement, atol=1e-9)
 
 
 def test_bodies_couple_as_they_are_seen_to():

@@ -133,8 +133,10 @@ class Body(Declared):
         return float((c.longitudinal / c.transverse)[0])
 
     def coupled(self, scene):
-        """Whether a scene's tangential unknowns are moved by normal loads, by more than
-        rounding."""
+        """Whether a scene's tangential unknowns are moved by normal loads, by more than rounding;
+        of an isolated contact, those of the layer that is its `far_field`."""
+        if scene.isolated:
+            return self.far_field().coupled(scene)
         return self.couples(2 * np.pi / max(scene.periods))
 
     def far_field(self):
