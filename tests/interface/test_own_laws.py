@@ -362,6 +362,15 @@ class Repelling(Law):
         return traction
 
 
+class Spoken(Law):
+    """a exp(-a), and 2 b exp(-b^2 - a): it is right, until it declares something."""
+
+    gap_corners = (0.0,)
+
+    def tractions(self, a, b):
+        return a * np.exp(-a), 2.0 * np.exp(-b * b - np.maximum(a, 0.0))
+
+
 class Worded(Sticking):
     """A range in letters."""
 
@@ -447,6 +456,30 @@ def test_what_is_wrong_with_an_object_is_told(cls, words):
     """What a base declares of other tractions, too: resolution and energies follow from it."""
     with pytest.raises(InputError, match=words):
         Branch(Scene(**SMALL), Load(path="normal_displacement=1"), law=cls())
+
+
+@pytest.mark.parametrize("what, value, words", (
+    ("range", 2.0, "the normal traction 0.270671 at the normal gap 2 without slip"),
+    ("deepest", 1.0, "deepest = 1.0: allowed is a number below 0"),
+    ("repulsion", 0.0, "repulsion = 0.0: allowed is a number above 0"),
+    ("slip_range", -2.0, "slip_range = -2.0: allowed is a number above 0"),
+    ("gap_corners", 0.0, "gap_corners = 0.0: allowed is a tuple of numbers"),
+    ("slip_corners", "ab", "slip_corners = 'ab': allowed is a tuple of numbers"),
+    ("slip_options", ("friction",), "slip_options = .*: allowed is a tuple of names of its opt"),
+    ("derived", ("missing",), "derived = .*: allowed is a tuple of names of its properties"),
+    ("slip_peak", None, "slip_peak = None: allowed is a number above 0"),
+    ("slip_peak", 0.0, "slip_peak = 0.0: allowed is a number above 0"),
+    ("newton_stiffness", -3.0, "newton_stiffness = -3.0: allowed is a number above 0.135335"),
+    ("moving_stiffness", (1, 2), "moving_stiffness = .*: allowed is a number above 0.135335"),
+    ("coupled_softening", lambda self, normal: 1.0, "coupled_softening.* cannot be evaluated"),
+    ("coupled_softening", lambda self, normal, tangential: 0.0,
+     "coupled_softening of 0 at Maugis parameters of 1, but its tractions give 0.8925"),
+    ("potential", lambda self, gap: None, "potential.gap, work_ratio. that cannot be evaluated"),
+))
+def test_what_an_object_declares_wrongly_is_told(what, value, words):
+    with pytest.raises(InputError, match=words):
+        Branch(Scene(**SMALL), Load(path="normal_displacement=1"),
+               law=type("Declaring", (Spoken,), {what: value})())
 
 
 def test_a_potential_of_other_tractions_is_told():
