@@ -17,6 +17,7 @@ from contactsnes.output.figures import (
     loads,
     maps,
     measured,
+    movie,
     profiles,
     shape,
     spots,
@@ -322,11 +323,32 @@ def test_loads_of_rounding_are_none_in_titles():
         units, coordinates = {"tangential_displacement": "u_t,r"}, [None]
 
     record = Record(tangential_displacement=np.array([3e-17, -0.0, -0.5]),
+                    tangential_force=np.zeros(3), normal_displacement=np.zeros(3),
                     event=np.array(["none", "jump", "none"]))
     assert words.names(record, [0, 1, 2])[1] == ["0", "0, jump", "\N{MINUS SIGN}0.5"]
     # points of the same load by their numbers
     record["event"] = np.array(["none", "none", "none"])
     assert words.names(record, [0, 1, 2])[1] == ["0, point 0", "0, point 1", "\N{MINUS SIGN}0.5"]
+
+
+def test_titles_tell_of_the_direction_that_is_sheared():
+    """Where a plane is sheared along y, rounding along x tells no points apart."""
+    class Record(dict):
+        units = dict.fromkeys(("tangential_displacement_y", "normal_force", "tangential_force_y",
+                               "normal_displacement"), "u")
+        coordinates = [None, None]
+
+    record = Record(normal_displacement=np.array([1.0, 1.0]), normal_force=np.array([2.0, 2.0]),
+                    tangential_displacement_x=np.array([3e-11, -8e-11]),
+                    tangential_displacement_y=np.array([0.0, 0.5]),
+                    tangential_force_x=np.array([1e-12, -2e-12]),
+                    tangential_force_y=np.array([0.0, 0.25]), event=np.array(["none", "none"]))
+    assert words.names(record, [0, 1])[1] == ["0", "0.5"]
+    assert movie._title(record, 1) == "point 1:  $W_n$ = 2,  $W_{t,y}$ = 0.25,  $D$ = 1"
+    record["tangential_displacement_y"] = record["tangential_force_y"] = np.zeros(2)
+    record["normal_force"] = np.array([2.0, 3.0])
+    assert words.names(record, [0, 1])[1] == ["2", "3"]
+    assert movie._title(record, 1) == "point 1:  $W_n$ = 3,  $D$ = 1"
 
 
 def measured_file(path, text):
@@ -488,6 +510,7 @@ def test_the_shape_of_a_sheared_contact_is_drawn(interface, tmp_path, monkeypatc
         for row in rows:
             row.update(dict.fromkeys(missing, np.nan))
             row["contact_area"] *= missing != [*names]
+        rows[-1].update({**dict.fromkeys(missing, 0.0), "contact_area": 0.0})  # pulled off
         (tmp_path / "run.h5").unlink()
         if interface == "plane":
             plane_archive(tmp_path / "run.h5", rows, nodes=48)

@@ -41,6 +41,33 @@ def directions(record):
     return [axis for axis in ("", "_x", "_y") if f"tangential_displacement{axis}" in record]
 
 
+def along_load(record):
+    """Endings of the tangential columns, that of the tangential load first."""
+    try:
+        first = shear(record)[0]
+    except NothingToShow:
+        return directions(record)
+    return sorted(directions(record), key=lambda axis: axis != first)
+
+
+def free_of_rounding(record, name, chosen=slice(None)):
+    """Values of a column of loads, an array; 0 where they are rounding beside those of its kind,
+    forces or displacements, at the chosen points.
+
+    Parameters
+    ----------
+    record : Readable
+    name : str
+    chosen : list of int, or slice
+    """
+    columns = [f"normal_{name.split('_')[1]}", *(
+        f"tangential_{name.split('_')[1]}{axis}" for axis in directions(record))]
+    largest = max((np.max(np.abs(record[column][chosen]), initial=0.0,
+                          where=np.isfinite(record[column][chosen]))
+                   for column in columns if column in record), default=0.0)
+    return np.where(np.abs(record[name]) <= 1e-9 * largest, 0.0, record[name])
+
+
 def varies(values):
     """Whether values differ by more than rounding."""
     return np.ptp(values) > 1e-6 * np.max(np.abs(values))

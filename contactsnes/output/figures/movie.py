@@ -15,13 +15,13 @@ from matplotlib.figure import Figure
 from ...options.fields import InputError
 from ..files import ArchiveError
 from ..prefixes import read
-from .data import NothingToShow, contact_region, fields, inside, shear
+from .data import NothingToShow, along_load, contact_region, fields, free_of_rounding, inside, shear
 from .encoding import ending, write_gif, write_mp4
 from .maps import draw_edge, draw_map, edge, rows
 from .parts import draw_branch
 from .profiles import panels, zoom
 from .style import STYLE, ZERO, settings
-from .words import free_of_rounding, label, number, word, word_and_symbol
+from .words import label, number, word, word_and_symbol
 
 DOTS = 150
 """Dots per inch."""
@@ -127,13 +127,13 @@ def _curve(axes, record):
 
 def _title(record, point):
     """The point, its controlled loads and its event."""
-    names = [name for name in ("normal_force", "tangential_force", "tangential_force_x",
-                               "normal_displacement") if name in record]
-    shown = {name: free_of_rounding(record[name]) for name in names}
+    axis, *_ = along_load(record)
+    shown = {name: free_of_rounding(record, name) for name in (
+        "normal_force", f"tangential_force{axis}", "normal_displacement")}
     told = [f"${word_and_symbol(name)[1]}$ = {number(values[point], 4)}{_unit(record.units[name])}"
             for name, values in shown.items() if np.any(values) and np.isfinite(values[point])]
     event = record["event"][point]
-    return f"point {point}:  " + ",  ".join(told[:3]) + (
+    return f"point {point}:  " + ",  ".join(told) + (
         f"  ({word(event)})" if event != "none" else "")
 
 

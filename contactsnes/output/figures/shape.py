@@ -28,11 +28,12 @@ def draw_shape(record):
     if "half_axis_x" not in record:
         raise NothingToShow("the archive has no columns of the contact's shape")
     load, part = _load(record)
-    if not np.any(record["contact_area"][part] > 0.0):
+    touching = record["contact_area"][part] > 0.0
+    if not touching.any():
         raise NothingToShow("nothing is in contact")
     plane = "half_axis_y" in record
     places = PLACES[1 + plane]
-    bounded = any(np.isfinite(record[name][part]).any() for name in places)
+    bounded = any(np.isfinite(record[name][part][touching]).any() for name in places)
     figure = Figure((WIDTH, (1.25 if bounded else 0.75) * WIDTH), layout="constrained")
     *above, below = figure.subplots(1 + bounded, 1, sharex=True, squeeze=False)[:, 0]
     what, symbol = ("half axes", "a") if plane else ("edges and fronts", "x")

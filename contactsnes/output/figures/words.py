@@ -2,29 +2,23 @@
 
 import re
 
-import numpy as np
-
-from .data import directions, varies
+from .data import along_load, free_of_rounding, varies
 
 
 def names(record, chosen):
     """What tells the chosen points apart: symbol of the first load that differs, and its values
     with the events; of the same value the points, too."""
-    columns = [*(f"tangential_displacement{axis}" for axis in directions(record)), "normal_force",
-               "normal_displacement", *(f"tangential_force{axis}" for axis in directions(record))]
-    name = next((name for name in columns if varies(record[name][chosen])), "normal_force")
-    loads = free_of_rounding(record[name], chosen)
+    axes = along_load(record)
+    columns = [*(f"tangential_displacement{axis}" for axis in axes), "normal_force",
+               "normal_displacement", *(f"tangential_force{axis}" for axis in axes)]
+    name = next((name for name in columns
+                 if varies(free_of_rounding(record, name, chosen)[chosen])), "normal_force")
+    loads = free_of_rounding(record, name, chosen)
     values = [(number(loads[point], 4), record["event"][point]) for point in chosen]
     texts = [value if event == "none" else f"{value}, {word(event)}" for value, event in values]
     texts = [f"{text}, point {point}" if texts.count(text) > 1 else text
              for text, point in zip(texts, chosen)]
     return label("", word_and_symbol(name)[1], record.units[name]), texts
-
-
-def free_of_rounding(values, chosen=slice(None)):
-    """Values of a column, an array; 0 where they are rounding beside those of the chosen points."""
-    largest = np.max(np.abs(values[chosen]), initial=0.0, where=np.isfinite(values[chosen]))
-    return np.where(np.abs(values) <= 1e-9 * largest, 0.0, values)
 
 
 def number(value, digits):
