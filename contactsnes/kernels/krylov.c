@@ -5,10 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-enum { PIECE = 1024, SAMPLES = 9, AT_ONCE = 4 };
+enum { PIECE = 1024, AT_ONCE = 4 };
 static const double SHORTEST = 32767.0; /* largest of the short integers */
-enum { BETWEEN = 4 };              /* nodes that may be told with others though they are not changed */
-static const double TRIFLE = 6e-8;  /* rounding of floats */
 
 /* Pieces of rows, AT_ONCE of them at a time, so that a number of the vector is read once for all, and no sum
    waits for the one before: of floats in double precision, of short integers in floats, which hold these. */
@@ -116,7 +114,7 @@ double add_rows(long count, long size, const void *const *rows, const double *co
     return found;
 }
 
-CLONES static void round_piece(long n, double *restrict v, short *restrict row, double *scale)
+CLONES static void round_piece(long n, double *restrict v, double factor, short *restrict row, double *scale)
 {
     /* sizes of numbers are in the order of their bits, what is no number last: vectors compare these */
     long long most = 0;
@@ -129,7 +127,7 @@ CLONES static void round_piece(long n, double *restrict v, short *restrict row, 
     double largest;
     memcpy(&largest, &most, sizeof most);
     const int known = largest <= DBL_MAX; /* else its piece is none */
-    const double own = *scale = known ? largest / SHORTEST : NAN;
+    const double own = *scale = known ? largest * factor / SHORTEST : NAN;
     const double inverse = known && largest > 0.0 ? SHORTEST / largest : 0.0;
     for (long i = 0; i < n; i++) {
         const double x = v[i] * inverse;
@@ -139,116 +137,10 @@ CLONES static void round_piece(long n, double *restrict v, short *restrict row, 
     }
 }
 
-/* Rounds a vector to short integers times a scale for each piece, the row. */
-void rounded(long size, double *vector, short *row, double *scales)
+/* Rounds a vector times a positive factor to short integers times a scale for each piece, the row. */
+void rounded(long size, double *vector, double factor, short *row, double *scales)
 {
     for (long from = 0; from < size; from += PIECE)
-        round_piece(size - from < PIECE ? size - from : PIECE, vector + from, row + from, scales + from / PIECE);
-}
-
-/* The shift that most of some samples have in common. */
-static double common(long n, const double *before, const double *after)
-{
-    double off[SAMPLES], allowed[SAMPLES], found = 0.0;
-    long most = -1;
-    for (long j = 0; j < SAMPLES; j++) {
-        const long at = n * (2 * j + 1) / (2 * SAMPLES);
-        off[j] = after[at] - before[at];
-        allowed[j] = TRIFLE * (fabs(before[at]) + fabs(after[at]));
-    }
-    for (long j = 0; j < SAMPLES; j++) {
-        long agree = 0;
-        for (long i = 0; i < SAMPLES; i++) agree += fabs(off[i] - off[j]) <= allowed[i];
-        if (agree > most) found = off[j];
-        if (agree > most) most = agree;
-    }
-    return found;
-}
-
-CLONES static void mark(long n, const double *restrict before, const double *restrict after, double shift,
-                        unsigned char *restrict changed)
-{
-    for (long i = 0; i < n; i++) {
-        const double off = fabs(after[i] - before[i] - shift);
-        changed[i] = !(off <= TRIFLE * (fabs(before[i]) + fabs(after[i])));
-    }
-}
-
-/* Where a vector differs from another by more than a shift for each piece: runs of nodes (first, count) that
-   end with a piece, and what stands there, as far as there is room for `most_runs` and `most`; told: runs and
-   values there are. */
-void changes(long size, const double *before, const double *after, double *shift, int *runs, long most_runs,
-             float *values, long most, int *told)
-{
-    unsigned char changed[PIECE];
-    long count = 0, held = 0;
-    for (long from = 0; from < size; from += PIECE) {
-        const long n = size - from < PIECE ? size - from : PIECE;
-        const double *b = before + from, *a = after + from;
-        const double own = shift[from / PIECE] = common(n, b, a);
-        mark(n, b, a, own, changed);
-        for (long at = 0; at < n;) {
-            const unsigned char *found = memchr(changed + at, 1, n - at);
-            if (!found) break;
-            const long first = found - changed;
-            long end = first + 1;
-            for (long i = end; i < n && i < end + BETWEEN; i++)
-                if (changed[i]) end = i + 1;
-            if (count < most_runs && held + end - first <= most) {
-                runs[2 * count] = from + first;
-                runs[2 * count + 1] = end - first;
-                for (long i = first; i < end; i++) values[held + i - first] = a[i];
-            }
-            count++;
-            held += end - first;
-            at = end;
-        }
-    }
-    told[0] = count;
-    told[1] = held;
-}
-
-#define CHANGED(KIND, SHIFTED, INSTEAD)                                                                     \
-    CLONES static void SHIFTED(long n, const KIND *restrict row, double scale, double shift, double factor, \
-                               double *restrict v)                                                          \
-    {                                                                                                       \
-        for (long i = 0; i < n; i++) v[i] += factor * ((double)row[i] * scale + shift);                     \
-    }                                                                                                       \
-    CLONES static void INSTEAD(long n, const KIND *restrict row, double scale, double shift,                \
-                               const float *restrict value, double factor, double *restrict v)              \
-    {                                                                                                       \
-        for (long i = 0; i < n; i++) v[i] += factor * ((double)value[i] - ((double)row[i] * scale + shift)); \
-    }
-CHANGED(float, shifted_floats, instead_of_floats)
-CHANGED(short, shifted_shorts, instead_of_shorts)
-
-/* vector += sum over k of factors[k] times what row k was changed to (`changes`, with their number of runs);
-   its inner product with itself then. */
-double add_changed(long count, long size, const void *const *rows, const double *const *scales,
-                   const double *const *shifts, const int *const *runs, const int *run_counts,
-                   const float *const *values, const double *factors, double *vector, int *work)
-{
-    double found = 0.0;
-    memset(work, 0, 2 * count * sizeof *work);
-    for (long from = 0; from < size; from += PIECE) {
-        const long n = size - from < PIECE ? size - from : PIECE;
-        double *v = vector + from;
-        for (long k = 0; k < count; k++) {
-            const double shift = shifts[k][from / PIECE], scale = scale_of(scales, k, from);
-            const short *shorts = rows[k];
-            const float *floats = rows[k];
-            int *run = work + 2 * k, *held = run + 1;
-            if (scales) shifted_shorts(n, shorts + from, scale, shift, factors[k], v);
-            else shifted_floats(n, floats + from, scale, shift, factors[k], v);
-            for (; *run < run_counts[k] && runs[k][2 * *run] < from + n; ++*run) {
-                const long first = runs[k][2 * *run], length = runs[k][2 * *run + 1];
-                const float *value = values[k] + *held;
-                if (scales) instead_of_shorts(length, shorts + first, scale, shift, value, factors[k], vector + first);
-                else instead_of_floats(length, floats + first, scale, shift, value, factors[k], vector + first);
-                *held += length;
-            }
-        }
-        found += square_of(n, v);
-    }
-    return found;
+        round_piece(size - from < PIECE ? size - from : PIECE, vector + from, factor, row + from,
+                    scales + from / PIECE);
 }

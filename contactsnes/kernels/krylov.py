@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..grid.changes import LENGTH, Changes, Rounded
+from ..grid.rounded import Rounded
 from .library import shared
 from .structures import address
 
@@ -48,52 +48,15 @@ def add_rows(rows, factors, vector):
                              address(vector))
 
 
-def rounded(vector, row):
+def rounded(vector, row, factor=1.0):
     """As `solvers.basis.rounded`.
 
     Parameters
     ----------
-    vector, row : as of that
+    vector, row, factor : as of that
     """
-    shared().rounded(len(vector), address(vector), address(row.numbers), address(row.scales))
-
-
-def changes(before, after, like=None):
-    """As `grid.changes.changes`.
-
-    Parameters
-    ----------
-    before, after, like : as of that; there is room for a few more than ``like``
-    """
-    count, held = (0, 0) if like is None else (len(like.runs), len(like.values))
-    told, shifts = np.zeros(2, dtype=np.intc), np.empty(-(-len(before) // LENGTH))
-    while True:
-        count, held = count + count // 4 + 64, held + held // 4 + 1024
-        runs, values = np.empty((count, 2), dtype=np.intc), np.empty(held, dtype=np.float32)
-        shared().changes(len(before), address(before), address(after), address(shifts),
-                         address(runs), count, address(values), held, address(told))
-        if told[0] <= count and told[1] <= held:
-            for array, length in (runs, 2 * told[0]), (values, told[1]):
-                array.resize((length, ), refcheck=False)  # what is too much is given back
-            return Changes(shifts, runs.reshape(-1, 2), values)
-        count, held = told.tolist()
-
-
-def add_changed(rows, changed, factors, vector):
-    """As `solvers.basis.add_changed`.
-
-    Parameters
-    ----------
-    rows, changed, factors, vector : as of that
-    """
-    factors = np.ascontiguousarray(factors, dtype=float)
-    shifts, runs, values = (_places(part) for part in zip(*changed))
-    counts = np.array([len(each.runs) for each in changed], dtype=np.intc)
-    work, rows = np.empty(2 * len(changed), dtype=np.intc), _held(rows)
-    places, scales = rows.places()
-    return shared().add_changed(
-        len(changed), len(vector), places, scales, _data(shifts), _data(runs),
-        address(counts), _data(values), address(factors), address(vector), address(work))
+    shared().rounded(len(vector), address(vector), factor, address(row.numbers),
+                     address(row.scales))
 
 
 def _held(rows):

@@ -156,9 +156,7 @@ CALLS = {"forward": [_pointer, _long], "backward": [_pointer, _long],
          "pseudo_inverse": [_pointer, _long, _double, _pointer],
          "spline": [_long, _long, _long, _pointer, _long, _pointer, _pointer, _pointer],
          **dict.fromkeys(("inner_products", "add_rows"), [_long, _long, *[_pointer] * 4]),
-         "rounded": [_long, _pointer, _pointer, _pointer],
-         "changes": [_long, *[_pointer] * 4, _long, _pointer, _long, _pointer],
-         "add_changed": [_long, _long, *[_pointer] * 9],
+         "rounded": [_long, _pointer, _double, _pointer, _pointer],
          "sources": [_long, _long, _long, _pointer, _pointer, _long, _pointer],
          "followed": [_long, _long, _long, *[_pointer] * 5, _long, _double, _pointer, _long,
                       *[_pointer] * 4],
@@ -179,7 +177,7 @@ CALLS = {"forward": [_pointer, _long], "backward": [_pointer, _long],
                       _pointer]}
 """What Python calls, and with what; a result that is none of `RETURNED` is a status."""
 
-RETURNED = {**dict.fromkeys(("motion_squares", "add_rows", "add_changed", "alternation",
-                             "path_work"), _double),
+RETURNED = {**dict.fromkeys(("motion_squares", "add_rows", "alternation", "path_work"),
+                            _double),
             "crossings": _long}
 """What returns something else."""

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 
-from ..grid.changes import LENGTH, Rounded, changes
+from ..grid.rounded import LENGTH, Rounded
 
 PIECE = 2 ** 13
 """Numbers of a row that are taken at a time, a multiple of `LENGTH`."""
@@ -69,33 +69,20 @@ def add_rows(rows, factors, vector):
     return square
 
 
-def add_changed(rows, changed, factors, vector):
-    """Add what the first rows in single precision, or rounded, were changed to, times factors, to a
-    vector in place; its inner product with itself then.
-
-    Parameters
-    ----------
-    rows, factors, vector : as of `add_rows`
-    changed : list of Changes, of these first rows
-    """
-    for row, each, factor in zip(rows, changed, factors):
-        vector += factor * each.applied(wide(row))
-    return np.dot(vector, vector)
-
-
-def rounded(vector, row):
-    """Round a vector, in place, to what a `Rounded` row holds of it: short integers times a scale
-    for each of its pieces.
+def rounded(vector, row, factor=1.0):
+    """Round a vector times a positive number, in place, to what a `Rounded` row holds of it: short
+    integers times a scale for each of its pieces.
 
     Parameters
     ----------
     vector : array of float
     row : Rounded, which is filled
+    factor : float
     """
     starts = np.arange(0, len(vector), LENGTH)
     counts = np.minimum(len(vector) - starts, LENGTH)
     largest = np.maximum.reduceat(np.abs(vector), starts)
-    row.scales[...] = largest / SHORTEST
+    row.scales[...] = largest * factor / SHORTEST
     with np.errstate(divide="ignore", invalid="ignore"):
         inverse = np.where(largest > 0.0, SHORTEST / largest, 0.0)
         parts = vector * np.repeat(inverse, counts)
@@ -122,10 +109,19 @@ class Basis:
         self._kind, self._products, self.rows = kind, products, products.Rows()
         self._grid = grid
 
-    def keep(self, place, vector):
-        """Take a vector as the row of a number, the first that is free at most."""
+    def keep(self, place, vector, factor=1.0):
+        """Take a vector times a positive number, in place, as a row.
+
+        Parameters
+        ----------
+        place : int, the number of the row, the first that is free at most
+        vector : array
+        factor : float
+        """
         if place == len(self.rows):
             self.rows.append(np.empty(len(vector), dtype=self._kind))
+        if factor != 1.0:
+            vector *= factor
         self.rows[place][...] = vector
 
     def inner(self, count, vector):
@@ -143,55 +139,16 @@ class Short(Basis):
     """Rows that are `Rounded`: what is taken of a vector, and left of it, is the rounded one, so
     that products with it are exact; parameters as of `Basis`."""
 
-    def keep(self, place, vector):
-        """Take a vector as the row of a number, the first that is free at most, and round it."""
+    def keep(self, place, vector, factor=1.0):
+        """Round a vector times a positive number, and take it as a row.
+
+        Parameters
+        ----------
+        place, vector, factor : as of `Basis.keep`
+        """
         if place == len(self.rows):
             self.rows.append(Rounded.of(len(vector)))
-        self._products.rounded(vector, self.rows[place])
-
-
-class Made(Basis):
-    """What a preconditioner made of vectors, as rows of one precision."""
-
-    def take(self, place, before, after):
-        """Take what was made of a vector, the row of a number, the first that is free at most.
-
-        Parameters
-        ----------
-        place : int
-        before, after : arrays of float
-        """
-        self.keep(place, after)
-
-
-class Changed:
-    """What a preconditioner made of the rows of a basis in single precision: where it changed them,
-    which are few nodes where few are stiff.
-
-    Parameters
-    ----------
-    space : Basis
-    products : what computes: a module, or class, with ``changes`` and ``add_changed``
-    grid : Grid, which sums over processes
-    """
-
-    def __init__(self, space, products, grid):
-        self._space, self._products, self._grid, self._changes = space, products, grid, []
-
-    def take(self, place, before, after):
-        """As of `Made`.
-
-        Parameters
-        ----------
-        place, before, after : as of that
-        """
-        like = self._changes[max(place - 1, 0)] if self._changes else None
-        self._changes[place:] = [self._products.changes(before, after, like)]
-
-    def add(self, factors, vector):
-        """Add the first of them, times factors, to a vector in place; its length then."""
-        return math.sqrt(self._grid.together(self._products.add_changed(
-            self._space.rows, self._changes[:len(factors)], factors, vector)))
+        self._products.rounded(vector, self.rows[place], factor)
 
 
 class InDouble:
@@ -228,12 +185,11 @@ class InSingle:
     Rows = list
     inner_products, add_rows = staticmethod(inner_products), staticmethod(add_rows)
     rounded = staticmethod(rounded)
-    changes, add_changed = staticmethod(changes), staticmethod(add_changed)
 
 
 def orthogonalised(space, count, vector):
-    """Make a vector orthogonal to the first rows of a basis, and one long, in place; its products
-    with them, and the norm of what was left: 0 for one that they span.
+    """Make a vector orthogonal to the first rows of a basis, in place; its products with them, and
+    the norm of what is left: 0 for one that they span.
 
     Parameters
     ----------
@@ -247,7 +203,4 @@ def orthogonalised(space, count, vector):
         again, _ = space.inner(count, vector)
         left = space.add(-again, vector)
         found += again
-    if not left > LEFT * before:
-        return np.append(found, 0.0)
-    vector *= 1.0 / left
-    return np.append(found, left)
+    return np.append(found, left if left > LEFT * before else 0.0)

@@ -1,5 +1,5 @@
-"""Flexible GMRES for many unknowns: its vectors are as exact as what is asked for needs, are made
-when an iteration asks for them, and are given back when a nonlinear solve has ended.
+"""GMRES for many unknowns: its vectors are as exact as what is asked for needs, are made when an
+iteration asks for them, and are given back when a nonlinear solve has ended.
 
 PETSc's own makes twice ten of them at once, in double precision, and keeps them: more than all else
 that a plane takes.
@@ -8,8 +8,9 @@ that a plane takes.
 import numpy as np
 from petsc4py import PETSc
 
+from ..grid.patches import taken
 from ..kernels import krylov as compiled
-from .basis import Basis, Changed, InDouble, InSingle, Made, Short, orthogonalised
+from .basis import Basis, InDouble, InSingle, Short, orthogonalised
 from .precision import PATIENCE, ROUNDED, SAFE
 from .triangle import Triangle
 
@@ -22,8 +23,8 @@ little memory, and the way into Python would take time."""
 
 
 def set_defaults(ksp, form, packed):
-    """Give a KSP our defaults: flexible GMRES, the one below where the solves are those of a large
-    plane and their vectors may be in single precision.
+    """Give a KSP our defaults: PETSc's flexible GMRES, or the one below where the solves are those
+    of a large plane and their vectors may be in single precision.
 
     Parameters
     ----------
@@ -34,17 +35,25 @@ def set_defaults(ksp, form, packed):
     if (packed and len(form.window.grid.shape) > 1
         and form.components * form.window.total >= LARGE):
         ksp.setType("python")
-        ksp.setPythonContext(FlexibleGMRES(form.grid, not form.contact.kernels.compiled))
+        ksp.setPythonContext(GMRES(form.grid, not form.contact.kernels.compiled,
+                                   in_patches(form)))
     else:
         ksp.setType("fgmres")
         ksp.setGMRESRestart(PATIENCE)
     ksp.setTolerances(max_it=150)
 
 
+def in_patches(form):
+    """Whether the preconditioner of a form, or of one under arc length, is in patches, whose
+    transforms are small."""
+    form = getattr(form, "form", form)
+    return not form.even and taken(form.window)
+
+
 def of_ksp(ksp):
-    """The FlexibleGMRES of a KSP, or None."""
+    """The GMRES of a KSP, or None."""
     own = ksp.getPythonContext() if ksp.getType() == "python" else None
-    return own if isinstance(own, FlexibleGMRES) else None
+    return own if isinstance(own, GMRES) else None
 
 
 def release(ksp):
@@ -54,9 +63,17 @@ def release(ksp):
         own.release()
 
 
-class FlexibleGMRES:
-    """PETSc's KSP context: flexible GMRES (Saad, SIAM J. Sci. Comput. 14, 461, 1993),
-    preconditioned from the right, with classical Gram-Schmidt.
+def is_ours(pc):
+    """Whether a preconditioner is the form's own: the same linear function throughout a solve, as a
+    user's, which may be a solver, need not be."""
+    return pc.getType() == "shell" or (pc.getType() == "python"
+                                       and getattr(pc.getPythonContext(), "is_ours", False))
+
+
+class GMRES:
+    """PETSc's KSP context: GMRES, preconditioned from the right, with classical Gram-Schmidt;
+    flexible (Saad, SIAM J. Sci. Comput. 14, 461, 1993), which keeps what the preconditioner made of
+    its vectors, unless that is told in one more application, x = M^-1 V y, at hardly a cost.
 
     A cycle that is asked for no more of the residual it begins with than single precision holds
     keeps its vectors so, whatever the products are in, and one that is asked for little rounds
@@ -66,14 +83,15 @@ class FlexibleGMRES:
     ----------
     grid : Grid of the unknowns, which sums over processes
     interpreted : bool, whether NumPy computes, not the library
+    cheap : bool, whether the form's own preconditioner costs little next to a product
 
     Attributes
     ----------
     idle : Vec that nobody else uses while this solves; None: it makes one
     """
 
-    def __init__(self, grid, interpreted=False):
-        self._grid = grid
+    def __init__(self, grid, interpreted=False, cheap=False):
+        self._grid, self._cheap = grid, cheap
         self._products = InSingle if interpreted else compiled
         self._kept, self.triangle, self._restart = (None, None), None, PATIENCE
         self.idle = None
@@ -96,8 +114,9 @@ class FlexibleGMRES:
 
     def view(self, ksp, viewer):
         """What -ksp_view prints."""
-        viewer.printfASCII(f"    flexible GMRES, restart={self._restart}, vectors as exact as what "
-                           "is asked for needs\n")
+        kind = "" if self._asks_again(ksp.getPC()) else "flexible "
+        viewer.printfASCII(f"    {kind}GMRES, restart={self._restart}, vectors as exact as what is "
+                           "asked for needs\n")
 
     def solve(self, ksp, b, x):
         """Solve for x.
@@ -122,16 +141,16 @@ class FlexibleGMRES:
             # what is not known of the solution yet is room to work in
             work = b.duplicate() if again else x
             few = aim >= ROUNDED * size and b.getSize() >= WIDE
-            basis = self._basis(Short if few else Basis if aim >= SAFE * size else None)
-            factors = self._cycle(ksp, (vector, work), size, basis)
-            if not again:
-                x.set(0.0)
-            else:
+            bases = self._bases(Short if few else Basis if aim >= SAFE * size else None,
+                                ksp.getPC())
+            self._cycle(ksp, (vector, work), size, bases)
+            self._correct(ksp.getPC(), (vector, work), bases)
+            if again:
+                x.axpy(1.0, work)
                 work.destroy()  # at once: older petsc4py does so late
-            basis[1].add(factors, x.getArray())
             again = True
             if not ksp.getConvergedReason():
-                basis = None  # the next cycle's may be others
+                bases = None  # the next cycle's may be others
                 ksp.getOperators()[0].mult(x, vector)
                 vector.aypx(-1.0, b)
                 size = vector.norm()
@@ -142,17 +161,38 @@ class FlexibleGMRES:
         """Ritz values of the last cycle, none of no solve."""
         return np.zeros(0) if self.triangle is None else self.triangle.ritz_values()
 
-    def _basis(self, kind):
-        """(rows of the space, what the preconditioner made of them), of a kind: None in double
-        precision; others are kept for the next solve."""
-        if kind is None:
-            self.release()
-            return tuple(made(float, InDouble, self._grid) for made in (Basis, Made))
-        if self._kept[0] is not kind:
-            self.release()
-            space = kind(np.float32, self._products, self._grid)
-            self._kept = kind, (space, Changed(space, self._products, self._grid))
-        return self._kept[1]
+    def _asks_again(self, pc):
+        """Whether a preconditioner is asked again in place of what it made of vectors."""
+        return self._cheap and is_ours(pc)
+
+    def _bases(self, kind, pc):
+        """(rows of the space, what the preconditioner made of them or None), of a kind: None in
+        double precision; others are kept for the next solve."""
+        key = kind, self._asks_again(pc)
+        if kind and self._kept[0] == key:
+            return self._kept[1]
+        self.release()
+        parts = (np.float32, self._products) if kind else (float, InDouble)
+        bases = ((kind or Basis)(*parts, self._grid),
+                 None if key[1] else Basis(*parts, self._grid))
+        if kind:
+            self._kept = key, bases
+        return bases
+
+    def _correct(self, pc, vectors, bases):
+        """Fill the second of two vectors with what a cycle adds to the solution.
+
+        Parameters
+        ----------
+        pc : petsc4py PC
+        vectors, bases : as of `_cycle`
+        """
+        (vector, work), (space, made) = vectors, bases
+        total = work if made else vector
+        total.set(0.0)
+        (made or space).add(self.triangle.factors(), total.getArray())
+        if made is None:
+            pc.apply(vector, work)
 
     def _judge(self, ksp, iteration, norm):
         """Tell PETSc of an iteration, and ask whether it is the last."""
@@ -164,31 +204,29 @@ class FlexibleGMRES:
             reason = PETSc.KSP.ConvergedReason.DIVERGED_MAX_IT
         ksp.setConvergedReason(reason)
 
-    def _cycle(self, ksp, vectors, size, basis):
-        """A cycle; the parts of the second basis in the solution.
+    def _cycle(self, ksp, vectors, size, bases):
+        """A cycle.
 
         Parameters
         ----------
         ksp : petsc4py KSP
         vectors : (Vec, Vec), the residual, which is overwritten, and one to work in
         size : float, its norm
-        basis : (Basis, Basis)
+        bases : (Basis, Basis or None)
         """
-        (vector, work), (space, made) = vectors, basis
+        (vector, work), (space, made) = vectors, bases
         operator, pc = ksp.getOperators()[0], ksp.getPC()
         self.triangle = triangle = Triangle(size, self._restart)
-        if size > 0.0:
-            vector.scale(1.0 / size)
         while triangle.count < self._restart and not ksp.getConvergedReason():
             place = triangle.count
-            space.keep(place, vector.getArray())
+            space.keep(place, vector.getArray(), 1.0 / size if size > 0.0 else 1.0)
             pc.apply(vector, work)
-            made.take(place, vector.getArray(readonly=True), work.getArray(readonly=True))
+            if made:
+                made.keep(place, work.getArray(readonly=True))
             operator.mult(work, vector)
             column = orthogonalised(space, place + 1, vector.getArray())
-            norm = triangle.add(column)
+            norm, size = triangle.add(column), column[-1]
             ksp.setIterationNumber(ksp.getIterationNumber() + 1)
             self._judge(ksp, ksp.getIterationNumber(), norm)
-            if column[-1] == 0.0 and not ksp.getConvergedReason():
+            if size == 0.0 and not ksp.getConvergedReason():
                 ksp.setConvergedReason(PETSc.KSP.ConvergedReason.DIVERGED_BREAKDOWN)
-        return triangle.factors()

@@ -137,6 +137,8 @@ class ZonePC:
     """PETSc's PC context of these preconditioners, ``-pc_type python``: the form's own one, set up
     at each linearisation."""
 
+    is_ours = True
+
     def __init__(self):
         self.options = CoreOptions()
         self.zone = self.precision = None

@@ -1,5 +1,5 @@
-"""Flexible GMRES with vectors in single precision: PETSc's iterations and answers, and rows that
-are given back."""
+"""GMRES with vectors in single precision: PETSc's iterations and answers, and rows that are given
+back."""
 
 import numpy as np
 import petsc4py
@@ -9,14 +9,14 @@ petsc4py.init([])
 from petsc4py import PETSc  # noqa: E402
 
 from contactsnes.branch.branch import Branch  # noqa: E402
-from contactsnes.grid import changes  # noqa: E402
 from contactsnes.grid.cell import Grid  # noqa: E402
+from contactsnes.grid.rounded import LENGTH, Rounded  # noqa: E402
 from contactsnes.kernels import krylov as compiled  # noqa: E402
 from contactsnes.kernels import library  # noqa: E402
 from contactsnes.scene.load import Load  # noqa: E402
 from contactsnes.scene.settings import Form, Scene, Steps  # noqa: E402
 from contactsnes.solvers import basis, callbacks, krylov  # noqa: E402
-from contactsnes.solvers.krylov import FlexibleGMRES, of_ksp  # noqa: E402
+from contactsnes.solvers.krylov import GMRES, of_ksp  # noqa: E402
 from contactsnes.solvers.ritz import ritz_values  # noqa: E402
 
 ALONE = Grid((4,), (1.0,))
@@ -49,8 +49,26 @@ class Varying:
         y.setArray(given / (1.0 + 0.2 * np.sin(self.count + np.arange(len(given)))))
 
 
+class Fixed:
+    """A preconditioner that is the same linear function whenever it is asked, as ours are."""
+
+    is_ours = True
+
+    def __init__(self):
+        self.count = 0
+
+    def apply(self, pc, x, y):
+        """y = x over a diagonal."""
+        self.count += 1
+        given = x.getArray(readonly=True)
+        y.setArray(given / (1.0 + 0.2 * np.sin(np.arange(len(given)))))
+
+
+CONTEXTS = {"varying": Varying, "fixed": Fixed}
+
+
 def ksp_of(matrix, own, pc="jacobi", **tolerances):
-    """A KSP, PETSc's fgmres or a FlexibleGMRES, for a dense matrix."""
+    """A KSP, PETSc's fgmres or a GMRES, for a dense matrix."""
     operator = PETSc.Mat().createDense(matrix.shape, array=matrix, comm=PETSc.COMM_SELF)
     operator.assemble()
     ksp = PETSc.KSP().create(PETSc.COMM_SELF)
@@ -62,9 +80,9 @@ def ksp_of(matrix, own, pc="jacobi", **tolerances):
         ksp.setType("python")
         ksp.setPythonContext(own)
     ksp.setComputeEigenvalues(True)
-    if pc == "varying":
+    if pc in CONTEXTS:
         ksp.getPC().setType("python")
-        ksp.getPC().setPythonContext(Varying())
+        ksp.getPC().setPythonContext(CONTEXTS[pc]())
     else:
         ksp.getPC().setType(pc)
     ksp.setFromOptions()
@@ -93,11 +111,11 @@ def system(rng):
 
 
 @pytest.mark.parametrize("interpreted", WAYS)
-@pytest.mark.parametrize("pc", ["jacobi", "varying", "none"])
+@pytest.mark.parametrize("pc", ["jacobi", "varying", "fixed", "none"])
 @pytest.mark.parametrize("tolerance, near", [(1e-4, 1e-4), (1e-10, 1e-7)])
 def test_iterations_and_norms_are_those_of_petsc(system, interpreted, pc, tolerance, near):
     own, theirs = (ksp_of(system[0], context, pc, rtol=tolerance)
-                   for context in (FlexibleGMRES(ALONE, interpreted), None))
+                   for context in (GMRES(ALONE, interpreted, cheap=True), None))
     (found, norms), (expected, known) = (solved(ksp, system[1]) for ksp in (own, theirs))
     assert own.getIterationNumber() == theirs.getIterationNumber() > 8
     assert own.getConvergedReason() == theirs.getConvergedReason() == REASONS.CONVERGED_RTOL
@@ -112,11 +130,26 @@ def test_iterations_and_norms_are_those_of_petsc(system, interpreted, pc, tolera
     np.testing.assert_allclose(values.real.min(), others.real.min(), rtol=1e-4)
 
 
+@pytest.mark.parametrize("cheap", [False, True])
+@pytest.mark.parametrize("pc", CONTEXTS)
+def test_a_cheap_preconditioner_of_ours_is_asked_once_more_a_cycle(system, options, pc, cheap):
+    """In place of keeping what it made of each vector; one that may vary never is."""
+    options(ksp_gmres_restart="6")
+    own = GMRES(ALONE, True, cheap)
+    ksp = ksp_of(system[0], own, pc)
+    found, norms = solved(ksp, system[1])
+    left = np.linalg.norm(system[0] @ found - system[1])
+    assert left <= 1.001e-4 * np.linalg.norm(system[1])
+    again, iterations = pc == "fixed" and cheap, ksp.getIterationNumber()
+    assert ksp.getPC().getPythonContext().count == iterations + again * -(-iterations // 6)
+    assert (own._kept[1][1] is None) == again
+
+
 @pytest.mark.parametrize("interpreted", WAYS)
 def test_cycles_begin_anew_in_double_precision(system, options, interpreted):
     options(ksp_gmres_restart="4")
     own, theirs = (ksp_of(system[0], context)
-                   for context in (FlexibleGMRES(ALONE, interpreted), None))
+                   for context in (GMRES(ALONE, interpreted), None))
     (found, norms), (expected, known) = (solved(ksp, system[1]) for ksp in (own, theirs))
     assert own.getIterationNumber() == theirs.getIterationNumber() > 8
     assert np.abs(norms[-1] / known[-1] - 1.0) < 1e-3
@@ -130,12 +163,12 @@ def test_cycles_hold_vectors_in_the_precision_they_ask_for(system, options, monk
     """Of what a cycle begins with: one that is to reduce it by more than single precision holds is
     in double, the next ones, which begin with less, in single, and then rounded."""
     options(ksp_gmres_restart="6")
-    own, seen = FlexibleGMRES(ALONE, True), []
+    own, seen = GMRES(ALONE, True), []
     cycle = own._cycle
 
     def watched(*given):
-        space, made = given[-1]
-        seen.append("double" if isinstance(made, krylov.Made) else type(space).__name__)
+        space = given[-1][0]
+        seen.append("double" if space._products is basis.InDouble else type(space).__name__)
         return cycle(*given)
 
     monkeypatch.setattr(own, "_cycle", watched)
@@ -151,7 +184,7 @@ def test_cycles_hold_vectors_in_the_precision_they_ask_for(system, options, monk
 
 def test_few_unknowns_are_not_rounded(system, monkeypatch):
     monkeypatch.setattr(krylov, "WIDE", SIZE + 1)
-    own, seen = FlexibleGMRES(ALONE, True), []
+    own, seen = GMRES(ALONE, True), []
     cycle = own._cycle
     monkeypatch.setattr(own, "_cycle", lambda *given: seen.append(type(given[-1][0]))
                         or cycle(*given))
@@ -161,7 +194,7 @@ def test_few_unknowns_are_not_rounded(system, monkeypatch):
 
 def test_what_a_solve_begins_with_counts(system):
     exact = np.linalg.solve(*system)
-    ksp = ksp_of(system[0], FlexibleGMRES(ALONE, True), atol=1e-3)
+    ksp = ksp_of(system[0], GMRES(ALONE, True), atol=1e-3)
     found, norms = solved(ksp, system[1], exact + 1e-5)
     assert norms[0] == pytest.approx(1e-5 * np.linalg.norm(system[0].sum(axis=1)), rel=1e-3)
     assert ksp.getIterationNumber() == 0 and np.array_equal(found, exact + 1e-5)
@@ -171,15 +204,15 @@ def test_what_a_solve_begins_with_counts(system):
 
 
 def test_it_ends_at_the_limit_and_where_nothing_is_left(system):
-    ksp = ksp_of(system[0], FlexibleGMRES(ALONE, True), max_it=3)
+    ksp = ksp_of(system[0], GMRES(ALONE, True), max_it=3)
     solved(ksp, system[1])
     assert ksp.getConvergedReason() == REASONS.DIVERGED_MAX_IT and ksp.getIterationNumber() == 3
-    ksp = ksp_of(2.0 * np.eye(SIZE), FlexibleGMRES(ALONE, True), pc="none", rtol=1e-12)
+    ksp = ksp_of(2.0 * np.eye(SIZE), GMRES(ALONE, True), pc="none", rtol=1e-12)
     found, _ = solved(ksp, system[1])
     assert ksp.getIterationNumber() == 1 and ksp.getConvergedReason() > 0
     np.testing.assert_allclose(found, 0.5 * system[1], rtol=1e-12)
     assert not solved(ksp, 0.0 * system[1])[0].any() and ksp.getIterationNumber() == 0
-    singular = ksp_of(np.zeros((SIZE, SIZE)), FlexibleGMRES(ALONE, True), pc="none")
+    singular = ksp_of(np.zeros((SIZE, SIZE)), GMRES(ALONE, True), pc="none")
     solved(singular, system[1])
     assert singular.getConvergedReason() < 0
 
@@ -192,7 +225,7 @@ def rows_of(given, kind):
     if kind == "single":
         rows = list(given.astype(np.float32))
         return rows, np.array(rows, dtype=float)
-    rows, held = [changes.Rounded.of(given.shape[1]) for _ in given], given.copy()
+    rows, held = [Rounded.of(given.shape[1]) for _ in given], given.copy()
     for row, vector in zip(rows, held):
         basis.rounded(vector, row)
     return rows, held
@@ -237,21 +270,25 @@ def test_rows_that_come_later_are_known(rng):
 @pytest.mark.parametrize("size", [1, 1023, 1024, 5000])
 def test_vectors_are_rounded_by_pieces(rng, size):
     """To half a part of 32767 of the largest number of a piece; what is rounded stays as it is."""
-    given = rng.normal(size=size) * np.repeat([1e-30, 1.0, 1e20, 3.0, 7.0], changes.LENGTH)[:size]
+    given = rng.normal(size=size) * np.repeat([1e-30, 1.0, 1e20, 3.0, 7.0], LENGTH)[:size]
     given[1024:1030] = 0.0
     for products in PRODUCTS:
-        vector, row = given.copy(), changes.Rounded.of(size)
+        vector, row = given.copy(), Rounded.of(size)
         products.rounded(vector, row)
-        for first in range(0, size, changes.LENGTH):
-            piece = slice(first, first + changes.LENGTH)
+        for first in range(0, size, LENGTH):
+            piece = slice(first, first + LENGTH)
             largest = np.abs(given[piece]).max()
             assert np.abs(vector - given)[piece].max() <= 0.5001 * largest / basis.SHORTEST
-            assert row.scales[first // changes.LENGTH] == largest / basis.SHORTEST
+            assert row.scales[first // LENGTH] == largest / basis.SHORTEST
         np.testing.assert_array_equal(row.wide(), vector)
-        again, same = vector.copy(), changes.Rounded.of(size)
+        again, same = vector.copy(), Rounded.of(size)
         products.rounded(again, same)
         np.testing.assert_array_equal(same.numbers, row.numbers)
         np.testing.assert_allclose(again, vector, rtol=1e-15)
+        products.rounded(scaled := given.copy(), same, 0.3)
+        np.testing.assert_array_equal(same.numbers, row.numbers)
+        np.testing.assert_allclose(scaled, 0.3 * vector, rtol=1e-15)
+        np.testing.assert_array_equal(same.wide(), scaled)
         products.rounded(nothing := np.zeros(size), same)
         assert not nothing.any() and not same.numbers.any()
 
@@ -262,46 +299,8 @@ def test_what_is_no_number_stays_none_when_it_is_rounded():
             vector = np.ones(3000)
             vector[1500] = number
             with np.errstate(invalid="ignore"):
-                products.rounded(vector, changes.Rounded.of(3000))
+                products.rounded(vector, Rounded.of(3000))
             assert not np.isfinite(vector[1500]) and np.isfinite(vector[:1024]).all()
-
-
-@pytest.mark.parametrize("size", [1, 3, 1024, 5000])
-@pytest.mark.parametrize("kept", ["single", "rounded"])
-@pytest.mark.parametrize("kind", ["nowhere", "everywhere", "in runs"])
-def test_rows_that_are_changed(rng, size, kind, kept):
-    """Changed by more than a number in each piece, which takes memory at these nodes alone: added
-    up, they are the changed ones but for the rounding of single precision."""
-    rows, before = rows_of(rng.normal(size=(3, size)), kept)
-    after = before + np.repeat(rng.normal(size=5), changes.LENGTH)[:size]
-    nodes = {"nowhere": [], "everywhere": np.arange(size),
-             "in runs": [k for first in range(0, size - 60, 200)
-                         for k in (*range(first, first + 50), first + 53, first + 59)]}[kind]
-    after[:, nodes] *= rng.uniform(-0.5, 0.5, size=(3, len(nodes)))
-    factors, vector = rng.normal(size=3), rng.normal(size=size)
-    both = [[products.changes(*pair) for pair in zip(before, after)]
-            for products in PRODUCTS]
-    for one, other in zip(both[0], both[-1]):
-        assert all(np.array_equal(*parts) for parts in zip(one, other))
-    for products in PRODUCTS:
-        told = []
-        for one, other in zip(before, after):
-            told.append(products.changes(one, other, told[-1] if told else None))
-            runs = told[-1].runs
-            assert np.all(runs[:, 0] // changes.LENGTH == (runs.sum(axis=1) - 1) // changes.LENGTH)
-            assert len(told[-1].values) == runs[:, 1].sum() <= 1.2 * len(nodes) + changes.BETWEEN
-        found = vector.copy()
-        square = products.add_changed(rows, told, factors, found)
-        np.testing.assert_allclose(found, vector + factors @ after, atol=1e-6)
-        assert square == pytest.approx(found @ found, rel=1e-12)
-
-
-def test_what_is_no_number_is_kept():
-    before, after = np.zeros(2000), np.ones(2000)
-    after[1500] = np.nan
-    for products in PRODUCTS:
-        told = products.changes(before, after)
-        assert told.runs.tolist() == [[1500, 1]] and np.isnan(told.applied(before)[1500])
 
 
 SPHERE = {"points": 96, "period": 12.0, "normal_maugis": 2.0, "dimension": 2,
@@ -311,13 +310,25 @@ PATHS = {"normal": ("normal_displacement=1.6", {}), "force": ("normal_force=3", 
          "arc length": ("normal_displacement=-3", {})}
 
 
-def path(kernels="auto", way="normal"):
+def path(kernels="auto", way="normal", symmetry="off"):
     """(points, log, branch) of a sphere pressed, sheared or pulled off."""
     told, (leg, more) = [], PATHS[way]
     branch = Branch(Scene(**SPHERE, **more), Load(start="normal_displacement=1", path=leg),
                     Steps(initial_step=0.2, largest_step=0.2), log=told.append,
-                    form=Form(kernels=kernels, linear_precision="single", symmetry="off"))
+                    form=Form(kernels=kernels, linear_precision="single", symmetry=symmetry))
     return list(branch), told, branch
+
+
+@pytest.mark.parametrize("symmetry, way", [("auto", "normal"), ("off", "normal"),
+                                           ("off", "arc length")])
+def test_preconditioners_in_patches_are_asked_again(monkeypatch, symmetry, way):
+    """Even planes have none of them, and nodes of which the core takes most."""
+    monkeypatch.setattr(krylov, "LARGE", 1)
+    asked, asks = set(), GMRES._asks_again
+    monkeypatch.setattr(GMRES, "_asks_again", lambda own, pc: asked.add(asks(own, pc))
+                        or asks(own, pc))
+    path(way=way, symmetry=symmetry)
+    assert asked == {symmetry == "off"}
 
 
 def test_lines_keep_that_of_petsc(monkeypatch):
@@ -355,8 +366,8 @@ def test_vectors_are_made_when_they_are_asked_for_and_given_back(monkeypatch):
     most = []
 
     def watched(keep):
-        def kept(self, place, vector):
-            keep(self, place, vector)
+        def kept(self, place, *given):
+            keep(self, place, *given)
             most.append((len(self.rows), type(self), place))
         return kept
 
