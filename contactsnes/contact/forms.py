@@ -127,7 +127,10 @@ class DisplacementForm:
     def pack(self, displacement, scalars):
         """The unknown from displacements (components, nodes) and the means of the force-controlled
         components."""
-        return np.concatenate([displacement.reshape(-1) / self.root, self.grid.held(scalars)])
+        unknown = np.empty(self.size)
+        np.divide(displacement.reshape(-1), self.root, out=unknown[:self.count])
+        unknown[self.count:] = self.grid.held(scalars)
+        return unknown
 
     def nodal(self, state):
         """Displacements (components, nodes) of a State on the form's window."""

@@ -28,7 +28,8 @@ def stirred(form, unknown):
     unknown : array of the form's size
     """
     if form.in_displacements and form.components == 1 and many(form.contact):
-        noise = np.random.default_rng(communicator(form).rank).standard_normal(form.count)
+        noise = np.random.default_rng(communicator(form).rank).random(form.count)
+        noise -= 0.5
         noise *= STIRRED / max(form.grid.norm(noise), 1e-300)
         unknown[:form.count] += noise
     return unknown
