@@ -9,11 +9,17 @@ CLONES static void add_row(const double *restrict weight, const double *restrict
     for (long k = 0; k < n; k++) sum[k] += weight[k] * x[k];
 }
 
-/* x less weight (own weight x + by) */
-CLONES static void subtract_row(const double *restrict weight, double own, const double *restrict by,
-                                double *restrict x, long n)
+/* x less weight (own weight x + by), in place or not */
+CLONES static void subtract_row(const double *weight, double own, const double *by, const double *x, double *out,
+                                long n)
 {
-    for (long k = 0; k < n; k++) x[k] -= weight[k] * (own * weight[k] * x[k] + by[k]);
+    for (long k = 0; k < n; k++) out[k] = x[k] - weight[k] * (own * weight[k] * x[k] + by[k]);
+}
+
+/* x, where it is not in place */
+static void leave(const double *x, double *out, long n)
+{
+    if (x != out) memcpy(out, x, n * sizeof *x);
 }
 
 /* Rows of the core in a row of patches, from the first one to before another. */
@@ -43,27 +49,35 @@ static void put_patches(const Zone *z, const Block *b, const Transform *t, const
     }
 }
 
-/* What is left of a box's core by what stands on the circle. */
-static void take_patches(const Zone *z, const Block *b, const Transform *t, const long *patches, double *x)
+/* What is left of a box by what stands on the circle. */
+static void take_patches(const Zone *z, const Block *b, const Transform *t, const long *patches, const double *x,
+                         double *out)
 {
     const long n = b->extent[1], c = z->form->response->shape[1], apart = b->apart;
+    const long left = b->first[1], right = c - left - n, end = (b->first[0] + b->extent[0]) * c;
     double *found = z->sums, *none = found + patches[1], *row = none + patches[1];
     memset(none, 0, patches[1] * sizeof *none);
+    leave(x, out, b->first[0] * c);
     for (long j = 0; j < patches[0]; j++) {
         long from, to;
         rows_of(b, j, &from, &to);
         take_row(t, 0, j, 0.0, 1.0, 0, none, found, patches[1]);
         for (long k = 0; k < patches[1]; k++)
             for (long l = 0; l < apart; l++) row[k * apart + l] = found[k];
-        for (long l = from; l < to; l++)
-            subtract_row(b->into + l * n, b->within, row + b->before[1], x + (b->first[0] + l) * c + b->first[1], n);
+        for (long l = from; l < to; l++) {
+            const long at = (b->first[0] + l) * c, core = at + left;
+            leave(x + at, out + at, left);
+            subtract_row(b->into + l * n, b->within, row + b->before[1], x + core, out + core, n);
+            leave(x + core + n, out + core + n, right);
+        }
     }
+    leave(x + end, out + end, z->form->nodes - end);
 }
 
 /* The block times a field, to another one or in place. */
 int apply_patched(const Zone *z, const Block *b, Transform *t, const double *field, double *out)
 {
-    const long nodes = z->form->nodes, picked = z->form->response->picked;
+    const long picked = z->form->response->picked;
     long patches[2];
     int status;
     for (int axis = 0; axis < 2; axis++)
@@ -74,8 +88,10 @@ int apply_patched(const Zone *z, const Block *b, Transform *t, const double *fie
     } else
         put_patches(z, b, t, patches, field);
     if ((status = filter(t, patches, b->circle->symbol))) return status;
-    if (out != field) memcpy(out, field, nodes * sizeof *out);
-    if (picked) subtract_nodes(t, b->at, b->node, b->into, b->within, out, b->picked);
-    else take_patches(z, b, t, patches, out);
+    if (picked) {
+        leave(field, out, z->form->nodes);
+        subtract_nodes(t, b->at, b->node, b->into, b->within, out, b->picked);
+    } else
+        take_patches(z, b, t, patches, field, out);
     return 0;
 }
