@@ -70,7 +70,7 @@ class Record(Mapping):
         self._waiting = stored.waiting(file)
         self.coordinates = tuple(fields[name].item[:] for name in "xy" if name in fields)
         self.initial_gap = fields["initial_gap"].item[...] if "initial_gap" in fields else None
-        self.field_points = stored.field_points(file)
+        self.field_points = list(stored.field_points(file))
         self._check(file, list(parts.values()))
         self._add(attributes["fields"])
         for name, names in self.names.items():

@@ -76,12 +76,13 @@ def has_active(file):
 
 
 def field_points(file):
-    """Points (from 0) whose fields are stored, in the order of storage."""
+    """Points (from 0) whose fields are stored, in the order of storage: a sequence, of all points a
+    range, which is not gone through."""
     points, fields = int(file.attrs["points"]), file.attrs["fields"]
     if fields == "last":
         point = int(file["fields"].attrs["point"])
         return [point - 1] if 0 < point <= points else []
-    return list(range(points)) if fields == "all" else []
+    return range(points) if fields == "all" else []
 
 
 def states(file, points):
