@@ -3,6 +3,7 @@ of them."""
 
 import ast
 import re
+from functools import cache
 from pathlib import Path
 
 import contactsnes
@@ -83,8 +84,9 @@ def test_the_finder_of_sections():
     assert lacking([tree]) == ["Two.go", "run"]
 
 
+@cache
 def package():
-    """The tree of every file."""
+    """The tree of every file, parsed once."""
     return [ast.parse(path.read_text(encoding="utf-8"), path)
             for path in sorted(PACKAGE.rglob("*.py"))]
 
