@@ -44,21 +44,22 @@ def _calls():
 
 
 class Rows:
-    """A pair of plans of complex transforms of rows that stand one after another, in place.
+    """A pair of plans of complex transforms of rows that stand one after another.
 
     Parameters
     ----------
     points, count : int, points of a row and number of rows
     memory : address of (count, points) complex numbers
+    found : address of those that both find; None: in place, which FFTW does with copies of its own
     single : bool, whether these are in single precision
     apart : int, from the begin of a row to that of the next one; None: they touch
     """
 
-    def __init__(self, points, count, memory, single=True, apart=None):
+    def __init__(self, points, count, memory, found=None, single=True, apart=None):
         sizes, way, self._kind = (c_int * 1)(points), [None, 1, apart or points], KINDS[single]
         make = getattr(_calls(), f"{self._kind}_plan_many_dft")
-        self.forward, self.backward = (make(1, sizes, count, memory, *way, memory, *way, sign,
-                                            ESTIMATE) for sign in (-1, 1))
+        self.forward, self.backward = (make(1, sizes, count, memory, *way, found or memory, *way,
+                                            sign, ESTIMATE) for sign in (-1, 1))
 
     def __del__(self):
         for plan in (getattr(self, "forward", None), getattr(self, "backward", None)):

@@ -139,13 +139,13 @@ CLONES static void leave(const Line *l, float *restrict w, float *restrict x, in
 static void lines(const Line *l, float *x, long apart, long count, int back, long odd)
 {
     const long wide = 2 * (l->closed ? 2 * (l->points - 1) : l->points + l->points % 2);
-    float *w = l->row;
+    float *w = l->row, *found = l->half; /* in place FFTW would copy them besides */
     for (long done = 0; done < count; done += PAIRS) {
         const long some = count - done < PAIRS ? count - done : PAIRS;
         float *first = x + done * 2 * apart;
         for (long i = 0; i < some; i++) enter(l, first + i * 2 * apart, w + i * wide, back, odd);
         libraries.execute_single(l->closed || back ? l->to_half : l->to_row);
-        for (long i = 0; i < some; i++) leave(l, w + i * wide, first + i * 2 * apart, back, odd);
+        for (long i = 0; i < some; i++) leave(l, found + i * wide, first + i * 2 * apart, back, odd);
     }
 }
 

@@ -4,7 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-enum { PART = 256 }; /* nodes of which the law's numbers stay in the processor's nearest memory */
+enum { PART = 264 }; /* nodes of which the law's numbers stay in the processor's nearest memory: no less than
+                        the 257 of a row from the axis to the edge of a cell of 512 */
 static const double NEGLIGIBLE = 1e-30; /* as contact/forms.py has it */
 
 /* Fields of some nodes: where they begin, and how far components are from each other. */
@@ -119,9 +120,14 @@ CLONES static void fill_stiffened(const Form *f, const double *vector, long at, 
     for (long i = 0; i < m; i++) {
         double *restrict w = part + i * PART;
         const double *restrict d = f->tangent + i * m * nodes + at, *restrict v = vector + at;
-        for (long k = 0; k < n; k++) w[k] = d[k] * v[k];
-        for (long j = 1; j < m; j++)
-            for (long k = 0; k < n; k++) w[k] += d[j * nodes + k] * v[j * nodes + k];
+        if (m == 3)
+            for (long k = 0; k < n; k++)
+                w[k] = d[k] * v[k] + d[nodes + k] * v[nodes + k] + d[2 * nodes + k] * v[2 * nodes + k];
+        else {
+            for (long k = 0; k < n; k++) w[k] = d[k] * v[k];
+            for (long j = 1; j < m; j++)
+                for (long k = 0; k < n; k++) w[k] += d[j * nodes + k] * v[j * nodes + k];
+        }
         for (long k = 0; k < n && z; k++) w[k] *= z[at + k];
     }
 }
@@ -134,21 +140,32 @@ CLONES static void fill_vector(const Form *f, const double *vector, long at, lon
             part[i * PART + k] = vector[i * f->nodes + at + k] * (f->unscale ? f->unscale[at + k] : 1.0);
 }
 
-/* Puts what some nodes after the other are filled with in the transform of r, and sums it up. */
+/* whether a residual, or a product, takes sums over the cell */
+static int asks_for_sums(const Form *f)
+{
+    int asks = f->forced_count > 0;
+    for (long i = 0; i < f->components; i++) asks |= f->rigid[i] != 0.0;
+    return asks;
+}
+
+/* Puts what some nodes after the other are filled with in the transform of r, and sums it up where that is
+   asked for. */
 static void put(const Form *f, const Response *r, const double *vector, Fill fill, double *sum)
 {
     const long m = f->components, rows = r->shape[0], c = r->on_circle ? f->nodes : r->shape[1];
-    const long lines = r->on_circle ? 1 : r->boxes * rows;
+    const long lines = r->on_circle ? 1 : r->boxes * rows, parts = (c + PART - 1) / PART;
+    const long most = ((c + parts - 1) / parts + 7) / 8 * 8; /* of a row's parts: vectors of a processor */
+    const int sums_up = asks_for_sums(f);
     double part[MOST * PART];
     memset(sum, 0, m * sizeof *sum);
     for (long i = 0; i < m && r->on_circle; i++) clear_field(r->transform, i);
     for (long line = 0; line < lines; line++)
-        for (long first = 0; first < c; first += PART) {
-            const long at = line * c + first, n = c - first < PART ? c - first : PART;
+        for (long first = 0; first < c; first += most) {
+            const long at = line * c + first, n = c - first < most ? c - first : most;
             fill(f, vector, at, n, part);
             for (long i = 0; i < m; i++) {
                 const double *x = part + i * PART;
-                sum[i] += total(x, f->weight ? f->weight + at : 0, n);
+                if (sums_up) sum[i] += total(x, f->weight ? f->weight + at : 0, n);
                 if (r->on_circle) put_nodes(r->transform, i, r->on_circle + at, x, n);
                 else put_row(r->transform, i * r->boxes + line / rows, line % rows, first, 0, x, n);
             }

@@ -126,7 +126,8 @@ class SlabReal(OfLibrary, SlabTransform):
         own.waves = self.spectrum[0].size
         self.block = pyfftw.zeros_aligned((self._count + 1, COLUMNS, self.shape[0]),
                                           dtype=self.spectrum.dtype)
-        self._plans = Rows(self.shape[0], self._count * COLUMNS, address(self.block), single)
+        self._plans = Rows(self.shape[0], self._count * COLUMNS, address(self.block),
+                           single=single)
         self._columns = structures.Columns(
             count=self._count, rows=self.shape[0], columns=self.spectrum.shape[2], single=single,
             spectrum=address(self.spectrum), block=address(self.block),

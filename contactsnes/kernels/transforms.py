@@ -238,10 +238,11 @@ class PairedLine:
     def __init__(self, points, closed):
         self.structure = own = structures.Line(points=points, closed=closed)
         length = 2 * (points - 1) if closed else points
-        self._row = pyfftw.zeros_aligned((COLUMNS // 2, length + length % 2), dtype=np.complex64)
-        self._plans = Rows(length, len(self._row), address(self._row), apart=self._row.shape[1])
-        own.row, own.to_half, own.to_row = (address(self._row), self._plans.forward,
-                                            self._plans.backward)
+        self._row, self._half = (pyfftw.zeros_aligned((COLUMNS // 2, length + length % 2),
+                                                      dtype=np.complex64) for _ in range(2))
+        own.row, own.half = address(self._row), address(self._half)
+        self._plans = Rows(length, len(self._row), own.row, own.half, apart=self._row.shape[1])
+        own.to_half, own.to_row = self._plans.forward, self._plans.backward
         if not closed:
             turn = np.exp(0.5j * np.pi * np.arange(points) / points)
             self._turn = np.array([np.repeat(turn.real, 2),
