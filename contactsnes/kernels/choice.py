@@ -29,8 +29,11 @@ def default_cache():
 
 def _arrays(even, shape, count):
     """(shape, type) of the two arrays that a transform works on; of even lines they are one."""
-    last = shape[::-1] if even else (*shape[:-1], shape[-1] // 2 + 1)
-    return ((count, *shape), float), ((count, *last), float if even else complex)
+    from .lines import in_pairs
+
+    if even:
+        return ((count, *in_pairs(shape)), float), ((count, *shape[::-1]), float)
+    return ((count, *shape), float), ((count, *shape[:-1], shape[-1] // 2 + 1), complex)
 
 
 def _first_part(memory, arrays):
@@ -134,7 +137,7 @@ class Compiled:
             even, _, shape, count, *_ = key
             held = [made for (kind, *_), made in [*self._held.items()] if kind == even]
             arrays = _arrays(even, shape, count)
-            memory = (_first_part((made.real, made.spectrum), arrays) for made in held)
+            memory = (_first_part((made.room, made.spectrum), arrays) for made in held)
             made = self._make(*key, memory=next(filter(None, memory), None))
             self._held[key] = made
             return made

@@ -71,8 +71,9 @@ class CompiledForm:
             components=half.components, nodes=half.nodes, forced_count=len(half.forced),
             root=half.root, size=half.grid.size)
         own.forced[:len(half.forced)] = half.forced
+        transform = half.convolution.transform
         self._response, kept = response(half.convolution, half.components,
-                                        half.convolution.transform)
+                                        getattr(transform, "folded", None) or transform)
         weights = getattr(half.grid, "weights", None)
         # of more nodes the law costs less than the memory would
         roomy = half.tangent.size <= KEPT

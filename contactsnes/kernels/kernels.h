@@ -47,9 +47,9 @@ typedef struct { /* of `count` fields on a circle of shape[0] x shape[1] points 
     long odd[MOST][2];                 /* if even: of sines in place of cosines, by field and direction */
     Line line[2];
     void *forward, *backward;
-    long packed;                       /* in the plane, single: as `packed.c` has it, which alone knows these: */
-    void *columns, *columns_back;      /* plans; those of rows are `forward` and `backward` */
-    float *block;
+    long packed;          /* in the plane, single, or even: as `packed.c` has it, which alone knows these: */
+    void *columns, *columns_back; /* plans; those of rows are `forward` and `backward` */
+    void *block;
     double cost, *counter; /* of one transform; transforms so far, their limit, and those in single precision */
 } Transform;
 
@@ -230,12 +230,12 @@ void packed_take_row(const Transform *t, long field, long row, double mean, doub
                      const double *scale, const double *own, double *out, long n);
 void packed_blend_row(const Transform *t, long field, long row, const double *into, const double *back,
                       const double *x, double *out, long n);
-void packed_multiply(const Transform *t, const Response *response, const float *symbol, long used,
+void packed_multiply(const Transform *t, const Response *response, const void *symbol, long used,
                      int transposed);
-void folded_multiply(const Transform *t, const Response *response, const float *symbol, long used,
+void folded_multiply(const Transform *t, const Response *response, const void *symbol, long used,
                      int transposed);
 void folded_rows(const Transform *t, const Shares *s, long used, int back);
-void folded_columns(const Transform *t, const Shares *s, const Response *response, const float *symbol,
+void folded_columns(const Transform *t, const Shares *s, const Response *response, const void *symbol,
                     long used, int transposed);
 void share_rows(const Shares *s, long field, long row, long count, void *x, int back);
 void *row_that_came(const Shares *s, long field, long row, void *others, long wide);

@@ -11,9 +11,10 @@ from pathlib import Path
 from . import structures
 
 HERE = Path(__file__).parent
-SOURCES = ("kernels.h", "both.h", "precision.h", "columns.h", "transforms.c", "packed.c",
-           "folded.c", "slabs.c", "forms.c", "motion.c", "core_zone.c", "patches.c", "steps.c",
-           "krylov.c", "modes.c", "points.c", "petsc.c", "laws.c", "library.c")
+SOURCES = ("kernels.h", "both.h", "precision.h", "columns.h", "pairs.h", "folded.h",
+           "transforms.c", "packed.c", "folded.c", "slabs.c", "forms.c", "motion.c", "core_zone.c",
+           "patches.c", "steps.c", "krylov.c", "modes.c", "points.c", "petsc.c", "laws.c",
+           "library.c")
 """What the library is made of, in the order of its checksum."""
 
 

@@ -9,55 +9,38 @@
 
 enum { LINE = 4 }; /* pairs of rows whose numbers of a column are a line of the cache */
 
-static float *field_of(const Transform *t, long field)
-{
-    return (float *)t->real + field * (t->shape[0] + t->shape[0] % 2) * t->shape[1];
-}
-
-/* a row's numbers are every other one from here on */
-static float *row_of(const Transform *t, long field, long row)
-{
-    return field_of(t, field) + (row / 2) * 2 * t->shape[1] + row % 2;
-}
-
 long packed_place(const Transform *t, long row, long column)
 {
     return (row / 2) * 2 * t->shape[1] + row % 2 + 2 * column;
 }
 
-/* zeros beyond a box in the pairs of rows that are transformed */
+#define BODY "pairs.h"
+#include "both.h"
+
 void packed_clear_beyond(const Transform *t, const long *shape)
 {
-    const long c = t->shape[1];
-    for (long i = 0; i < t->count; i++) {
-        for (long j = 0; j < shape[0] && shape[1] < c; j += 2)
-            memset(row_of(t, i, j) + 2 * shape[1], 0, 2 * (c - shape[1]) * sizeof(float));
-        for (long k = 0; k < c && shape[0] % 2; k++) row_of(t, i, shape[0])[2 * k] = 0.0f;
-    }
+    if (t->single) packed_clear_beyond_in_single(t, shape);
+    else packed_clear_beyond_in_double(t, shape);
 }
 
-CLONES void packed_put_row(const Transform *t, long field, long row, long first,
-                           const double *restrict weight, const double *restrict x, long n)
+void packed_put_row(const Transform *t, long field, long row, long first, const double *weight, const double *x,
+                    long n)
 {
-    float *restrict r = row_of(t, field, row) + 2 * first;
-    if (weight)
-        for (long k = 0; k < n; k++) r[2 * k] = weight[k] * x[k];
-    else
-        for (long k = 0; k < n; k++) r[2 * k] = x[k];
+    if (t->single) packed_put_row_in_single(t, field, row, first, weight, x, n);
+    else packed_put_row_in_double(t, field, row, first, weight, x, n);
 }
 
-CLONES void packed_take_row(const Transform *t, long field, long row, double mean, double factor,
-                            const double *scale, const double *own, double *out, long n)
+void packed_take_row(const Transform *t, long field, long row, double mean, double factor, const double *scale,
+                     const double *own, double *out, long n)
 {
-    const float *restrict r = row_of(t, field, row);
-    for (long k = 0; k < n; k++)
-        out[k] = (r[2 * k] - mean) * factor * (scale ? scale[k] : 1.0) + own[k];
+    if (t->single) packed_take_row_in_single(t, field, row, mean, factor, scale, own, out, n);
+    else packed_take_row_in_double(t, field, row, mean, factor, scale, own, out, n);
 }
 
 CLONES void packed_blend_row(const Transform *t, long field, long row, const double *restrict into,
                              const double *restrict back, const double *x, double *out, long n)
 {
-    const float *restrict r = row_of(t, field, row);
+    const float *restrict r = row_of_in_single(t, field, row);
     for (long k = 0; k < n; k++) out[k] = x[k] + back[k] * (r[2 * k] - into[k] * x[k]);
 }
 
@@ -66,13 +49,13 @@ CLONES void packed_blend_row(const Transform *t, long field, long row, const dou
 CLONES static void gather(const Transform *t, long field, long first, long columns, long used)
 {
     const long r = t->shape[0], c = t->shape[1];
-    float *restrict to = t->block + field * COLUMNS * 2 * r;
+    float *restrict to = (float *)t->block + field * COLUMNS * 2 * r;
     const long pairs = (used + 1) / 2;
     for (long begin = 0; begin < pairs; begin += LINE)
         for (long k = 0; k < columns; k++) {
             const long here = 2 * (first + k), there = here ? 2 * c - here : 0;
             const long end = begin + LINE < pairs ? begin + LINE : pairs;
-            const float *restrict z = field_of(t, field) + begin * 2 * c;
+            const float *restrict z = field_of_in_single(t, field) + begin * 2 * c;
             float *restrict o = to + 2 * (k * r + 2 * begin);
             for (long p = begin; p < end; p++, z += 2 * c, o += 4) {
                 const float a = z[here], b = z[here + 1], d = z[there], e = z[there + 1];
@@ -91,9 +74,9 @@ CLONES static void gather(const Transform *t, long field, long first, long colum
 CLONES static void scatter(const Transform *t, long field, long first, long columns, long used)
 {
     const long r = t->shape[0], c = t->shape[1];
-    const float *restrict from = t->block + field * COLUMNS * 2 * r;
+    const float *restrict from = (float *)t->block + field * COLUMNS * 2 * r;
     for (long p = 0; p < (used + 1) / 2; p++) {
-        float *restrict z = field_of(t, field) + p * 2 * c;
+        float *restrict z = field_of_in_single(t, field) + p * 2 * c;
         for (long k = 0; k < columns; k++) {
             const long here = 2 * (first + k), there = 2 * c - here;
             const float *restrict o = from + 2 * (k * r + 2 * p);
@@ -136,13 +119,13 @@ static void couple(const Response *r, long first, long columns, int transposed)
 
 /* Fields on their circle times the blocks of a response or, without one, each times its symbol of some
    that stand in a row; only `used` rows are filled, and asked for. */
-void packed_multiply(const Transform *t, const Response *response, const float *symbol, long used,
+void packed_multiply(const Transform *t, const Response *response, const void *symbol, long used,
                      int transposed)
 {
     const long r = t->shape[0], c = t->shape[1], waves = c / 2 + 1, pairs = (used + 1) / 2;
     for (long i = 0; i < t->count; i++)
         for (long p = 0; p < pairs; p++) {
-            float *z = field_of(t, i) + p * 2 * c;
+            float *z = field_of_in_single(t, i) + p * 2 * c;
             libraries.execute_rows(t->forward, z, z);
         }
     for (long first = 0; first < waves; first += COLUMNS) {
@@ -152,15 +135,15 @@ void packed_multiply(const Transform *t, const Response *response, const float *
         if (response && response->product) couple(response, first, columns, transposed);
         else
             for (long i = 0; i < t->count; i++) {
-                const float *s = response ? response->symbol[i][i] : symbol + i * t->waves;
-                times_in_single(t->block + i * 2 * COLUMNS * r, s + first * r, columns * r);
+                const float *s = response ? response->symbol[i][i] : (const float *)symbol + i * t->waves;
+                times_in_single((float *)t->block + i * 2 * COLUMNS * r, s + first * r, columns * r);
             }
         libraries.execute_single(t->columns_back);
         for (long i = 0; i < t->count; i++) scatter(t, i, first, columns, used);
     }
     for (long i = 0; i < t->count; i++)
         for (long p = 0; p < pairs; p++) {
-            float *z = field_of(t, i) + p * 2 * c;
+            float *z = field_of_in_single(t, i) + p * 2 * c;
             libraries.execute_rows(t->backward, z, z);
         }
 }

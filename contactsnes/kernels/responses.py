@@ -18,6 +18,17 @@ def _copied(transform, by_columns=False):
     return np.empty((transform.count, WAVES), dtype=transform.spectrum.dtype)
 
 
+def _symbols(blocks, transform):
+    """Blocks as the library takes them, by (i, j): of two that are equal, as those of even fields
+    are across the diagonal, one."""
+    symbols = {}
+    for (i, j), block in blocks.items():
+        other = symbols.get((j, i))
+        alike = i != j and other is not None and np.array_equal(block, blocks[j, i])
+        symbols[i, j] = other if alike else transform.fitting(block)
+    return symbols
+
+
 def response(convolution, count, transform):
     """The structure of a convolution's product, and what it keeps.
 
@@ -32,8 +43,7 @@ def response(convolution, count, transform):
     own = structures.Response(components=count, boxes=boxes)
     own.transform = ctypes.pointer(transform.structure)
     own.shape[:] = (1,) * (2 - len(window.shape)) + tuple(window.shape)
-    blocks, product = convolution.blocks, None
-    symbols = {key: transform.fitting(block) for key, block in blocks.items()}
+    product, symbols = None, _symbols(convolution.blocks, transform)
     for (i, j), symbol in symbols.items():
         own.symbol[i][j], own.is_complex[i][j] = address(symbol), np.iscomplexobj(symbol)
     # one real block of one box is multiplied where it stands, and so are blocks on the diagonal of

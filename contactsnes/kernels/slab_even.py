@@ -13,9 +13,10 @@ from ..grid.slab_cosines import SlabCosines
 from ..grid.slab_transform import share
 from . import structures
 from .library import shared
+from .lines import COLUMNS, Line, order_of, paired_line
 from .slabs import OfLibrary
 from .structures import address
-from .transforms import COLUMNS, Folded, Line, PairedLine, order_of
+from .transforms import Folded
 
 
 class SlabEvenReal(OfLibrary, SlabCosines):
@@ -210,7 +211,7 @@ class SlabFolded(OfLibrary):
         closed = closes(grid, shape)
         self.gain = gain_of(shape, closed)
         self._cost = 2.0 * count * transform_cost(math.prod(shape), grid.counter.size), True
-        self._lines = [PairedLine(points, one) for points, one in zip(shape, closed)]
+        self._lines = [paired_line(points, one) for points, one in zip(shape, closed)]
         self._lay_out(grid.comm, count, rows)
         odd = np.zeros((count, 2), dtype=bool) if parities is None else np.array(parities) < 0
         for own in (self.structure, self.spectral):

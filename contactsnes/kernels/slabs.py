@@ -12,8 +12,9 @@ from ..grid.slab_transform import SlabTransform
 from . import structures
 from .fftw import Rows
 from .library import shared
+from .lines import COLUMNS
 from .structures import address
-from .transforms import COLUMNS, Compiled
+from .transforms import Compiled
 
 
 class OfLibrary:

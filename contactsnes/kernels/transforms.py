@@ -2,7 +2,7 @@
 
 import ctypes
 import math
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 
@@ -13,10 +13,8 @@ from ..grid.precision import SINGLE, first_half
 from . import structures
 from .fftw import Plans, Rows
 from .library import shared
+from .lines import COLUMNS, in_pairs, line, order_of, paired_line
 from .structures import TOO_MANY, address
-
-COLUMNS = 8
-"""Columns of a block, as kernels.h has it."""
 
 
 class Compiled(Filtering):
@@ -31,6 +29,7 @@ class Compiled(Filtering):
     Attributes
     ----------
     structure : ctypes structure of the library, whose memory this object keeps
+    room : memory that ``real`` begins
     """
 
     def __init__(self, grid, shape, count):
@@ -47,12 +46,13 @@ class Compiled(Filtering):
         counter = self._grid.counter
         self.structure.counter = address(counter.numbers)
         self.structure.cost = self.count * transform_cost(math.prod(self.shape), counter.size)
-        if "single" in vars(self):
-            self.single.charge()
+        for other in map(vars(self).get, ("single", "folded")):
+            if other is not None:
+                other.charge()
 
     def _hold(self, real, spectrum):
         """Take the memory to work on, whose precision decides on that."""
-        self.real, self.spectrum, own = real, spectrum, self.structure
+        self.room, self.real, self.spectrum, own = real, real, spectrum, self.structure
         own.real, own.spectrum = address(real), address(spectrum)
         own.single = real.itemsize < 8
 
@@ -156,7 +156,8 @@ class Cosines(Compiled):
     shape : tuple of int, points in each direction from the axis outwards
     count : int, number of arrays, at most 3
     parities : as of `grid.cosines.Cosines`
-    memory : (real, spectrum) to work on, whose precision decides on that; None: doubles of its own
+    memory : (room, spectrum) to work on, whose precision decides on that, the room of the rows
+        `in_pairs`; None: doubles of its own
     """
 
     def __init__(self, grid, shape, count, parities=None, memory=None):
@@ -167,9 +168,11 @@ class Cosines(Compiled):
         self.gain = math.prod(2 * (m - 1) if closed else 2 * m
                               for m, closed in zip(shape, self.closed))
         if memory is None:
-            real = pyfftw.zeros_aligned((count, *shape))
-            memory = real, pyfftw.zeros_aligned((count, *shape[::-1])) if plane else real
-        self._hold(*memory)
+            room = pyfftw.zeros_aligned((count, *in_pairs(shape)))
+            memory = room, pyfftw.zeros_aligned((count, *shape[::-1])) if plane else room
+        room, spectrum = memory
+        self._hold(room.reshape(-1)[:count * math.prod(shape)].reshape(count, *shape), spectrum)
+        self.room = room
         own.even, own.waves = 1, self.real[0].size
         self.waves = [order_of(m, closed) for m, closed in zip(shape, self.closed)]
         self._lines = [line(m, closed, bool(own.single)) for m, closed in zip(shape, self.closed)]
@@ -182,9 +185,14 @@ class Cosines(Compiled):
     def single(self):
         """The same in single precision, on the same memory; in the plane `Folded`."""
         if len(self.shape) == 2:
-            return Folded(self)
+            return Folded(self, single=True)
         memory = first_half(self.real), first_half(self.spectrum)
         return Cosines(self._grid, self.shape, self.count, self._parities, memory)
+
+    @cached_property
+    def folded(self):
+        """In the plane `Folded` on the same memory, whose products are faster; else None."""
+        return Folded(self) if len(self.shape) == 2 else None
 
     def wavevectors(self, spacings):
         """Wave numbers, 1/beta, to broadcast over a spectrum, one a direction of the grid."""
@@ -200,97 +208,35 @@ class Cosines(Compiled):
 
 
 class Folded(Compiled):
-    """Products with symbols in single precision of even or odd arrays over a plane, by the library
-    (folded.c): two rows, and two columns, are one of complex numbers, and there is no whole
-    spectrum.
+    """Products with symbols of even or odd arrays over a plane, by the library (folded.c): two
+    rows, and two columns, are one of complex numbers, and there is no whole spectrum.
 
     Parameters
     ----------
-    double : Cosines, on whose memory it works
+    whole : Cosines, on whose memory it works
+    single : bool, whether in single precision
     """
 
-    def __init__(self, double):
-        super().__init__(double._grid, double.shape, double.count)
-        self.gain, own, self._memory = double.gain, self.structure, double.real
+    def __init__(self, whole, single=False):
+        super().__init__(whole._grid, whole.shape, whole.count)
+        self.gain, own, self._memory = whole.gain, self.structure, whole.room
         rows, columns = self.shape
-        self.block = pyfftw.zeros_aligned((self.count, COLUMNS // 2, rows + rows % 2),
-                                          dtype=np.complex64)
-        own.even = own.single = own.packed = 1
-        own.real, own.block = address(double.real), address(self.block)
+        self.block = pyfftw.zeros_aligned((self.count, COLUMNS // 2, in_pairs(self.shape)[0]),
+                                          dtype=np.complex64 if single else complex)
+        own.even, own.single, own.packed = 1, single, 1
+        own.real, own.block = address(whole.real), address(self.block)
         own.waves = rows * (columns + columns % 2)
-        self._lines = [PairedLine(m, closed) for m, closed in zip(self.shape, double.closed)]
+        self._lines = [paired_line(m, closed, single)
+                       for m, closed in zip(self.shape, whole.closed)]
         for place, rows in enumerate(self._lines):
             own.line[place] = rows.structure
             for field in range(self.count):
-                own.odd[field][place] = double.structure.odd[field][place]
+                own.odd[field][place] = whole.structure.odd[field][place]
 
     def fitting(self, block):
         """A symbol as the library takes it: pairs of columns, side by side."""
         columns, rows = block.shape
-        pairs = np.zeros((columns + columns % 2, rows), dtype=np.float32)
+        pairs = np.zeros((columns + columns % 2, rows),
+                         dtype=np.float32 if self.structure.single else float)
         pairs[:columns] = block
         return np.ascontiguousarray(np.swapaxes(pairs.reshape(-1, 2, rows), 1, 2))
-
-
-class PairedLine:
-    """Work, factors and plans of complex lines of a direction, a few at a time."""
-
-    def __init__(self, points, closed):
-        self.structure = own = structures.Line(points=points, closed=closed)
-        length = 2 * (points - 1) if closed else points
-        self._row, self._half = (pyfftw.zeros_aligned((COLUMNS // 2, length + length % 2),
-                                                      dtype=np.complex64) for _ in range(2))
-        own.row, own.half = address(self._row), address(self._half)
-        self._plans = Rows(length, len(self._row), own.row, own.half, apart=self._row.shape[1])
-        own.to_half, own.to_row = self._plans.forward, self._plans.backward
-        if not closed:
-            turn = np.exp(0.5j * np.pi * np.arange(points) / points)
-            self._turn = np.array([np.repeat(turn.real, 2),
-                                   np.ravel(np.column_stack([-turn.imag, turn.imag]))],
-                                  dtype=np.float32)
-            own.turn = address(self._turn)
-
-
-def order_of(points, closed):
-    """Numbers of a direction's waves in their order: as they are, or even ones upwards, then odd
-    ones downwards."""
-    numbers = np.arange(points)
-    return numbers if closed else np.concatenate([numbers[::2], numbers[1::2][::-1]])
-
-
-@lru_cache(maxsize=16)
-def line(points, closed, single):
-    """The `Line` of some points, which all transforms share that have such rows: a path on a line
-    has about a dozen, with those of the coarser grids that it begins on.
-
-    Parameters
-    ----------
-    points, closed, single : as of that
-    """
-    return Line(points, closed, single)
-
-
-class Line:
-    """Work, factors and plans of a direction's rows.
-
-    Parameters
-    ----------
-    points : int, of a row from the axis outwards
-    closed : bool, whether the cell closes on itself there
-    single : bool, whether rows are in single precision
-    """
-
-    def __init__(self, points, closed, single=False):
-        real, wave = (SINGLE[np.dtype(kind)] if single else kind for kind in (float, complex))
-        self.structure = own = structures.Line(points=points, closed=closed)
-        length, self._turn = points, None
-        if closed:
-            length = 2 * (points - 1)
-        else:
-            self._turn = np.exp(0.5j * np.pi * np.arange(points // 2 + 1) / points).astype(wave)
-        self._row = pyfftw.zeros_aligned(length, dtype=real)
-        self._half = pyfftw.zeros_aligned(length // 2 + 1, dtype=wave)
-        self._plans = Plans((length,), 1, address(self._row), address(self._half), single)
-        own.row, own.half, own.turn = (address(part) for part in (self._row, self._half,
-                                                                  self._turn))
-        own.to_row, own.to_half = self._plans.to_row, self._plans.to_half

@@ -30,7 +30,7 @@ from contactsnes.contact.problem import DISPLACEMENT, FORCE
 from contactsnes.grid.windows import Window
 from contactsnes.interface.laws.coupled import SLIP
 from contactsnes.interface.laws.modified import Modified
-from contactsnes.kernels import library, transforms
+from contactsnes.kernels import library, lines, transforms
 from contactsnes.solvers.core_zone import CoreZone
 
 BODIES = {"thick": {}, "soft": {"poisson": 0.3, "height": 3.0, "work_ratio": 2.0},
@@ -480,7 +480,7 @@ class Counter:
 def count_compiled(monkeypatch, count):
     """Have every plan that the compiled kernels execute counted, a row's as its points."""
     shapes, pointers = {}, library.pointers(library.shared())
-    real, line = transforms.Real.__init__, transforms.Line.__init__
+    real, line = transforms.Real.__init__, lines.Line.__init__
 
     def made_real(self, grid, shape, number, memory=None):
         real(self, grid, shape, number, memory)
@@ -504,9 +504,9 @@ def count_compiled(monkeypatch, count):
     count.callbacks = {f"{name}{end}": counting(f"{name}{end}", number)
                        for name in ("execute", "to_half", "to_row")
                        for end, number in (("", np.float64(0.0)), ("_single", np.float32(0.0)))}
-    transforms.line.cache_clear()  # plans of other tests are not known here
+    lines.line.cache_clear()  # plans of other tests are not known here
     monkeypatch.setattr(transforms.Real, "__init__", made_real)
-    monkeypatch.setattr(transforms.Line, "__init__", made_line)
+    monkeypatch.setattr(lines.Line, "__init__", made_line)
     for name, callback in count.callbacks.items():  # kept as long as the count
         monkeypatch.setattr(pointers, name, ctypes.cast(callback, ctypes.c_void_p).value)
 

@@ -1,0 +1,265 @@
+/* The code of `folded.c` in the precision REAL: the BODY of `both.h` for it. */
+
+typedef REAL OF(Vector) __attribute__((vector_size(2 * SOME * sizeof(REAL)), aligned(sizeof(REAL))));
+
+static const OF(Order) OF(REVERSED) = {6, 7, 4, 5, 2, 3, 0, 1}, OF(SWAPPED) = {1, 0, 3, 2, 5, 4, 7, 6};
+
+static REAL *OF(field_of)(const Transform *t, long field)
+{
+    return (REAL *)t->real + field * (t->shape[0] + t->shape[0] % 2) * t->shape[1];
+}
+
+/* a pair of rows: of slabs, those of this process lie elsewhere */
+static REAL *OF(pair_of)(const Transform *t, const Shares *s, long field, long pair)
+{
+    return s ? row_that_came(s, field, pair, OF(field_of)(t, field), t->shape[1])
+             : OF(field_of)(t, field) + 2 * pair * t->shape[1];
+}
+
+/* to w, for k from 1 on, what stands at n - k, times a sign */
+CLONES static void OF(mirror)(const REAL *restrict x, REAL *restrict w, long n, REAL sign)
+{
+    long k = 1;
+    for (; k + SOME <= n; k += SOME) {
+        const OF(Vector) there = *(const OF(Vector) *)(x + 2 * (n - k - SOME + 1));
+        *(OF(Vector) *)(w + 2 * k) = sign * __builtin_shuffle(there, OF(REVERSED));
+    }
+    for (; k < n; k++) {
+        w[2 * k] = sign * x[2 * (n - k)];
+        w[2 * k + 1] = sign * x[2 * (n - k) + 1];
+    }
+}
+
+/* w = (x_k - i x_(n-k)) exp(i pi k / 2n) */
+CLONES static void OF(turn)(const Line *l, const REAL *restrict x, REAL *restrict w)
+{
+    const long n = l->points;
+    const REAL *restrict along = l->turn, *restrict across = along + 2 * n;
+    const OF(Vector) sign = {1, -1, 1, -1, 1, -1, 1, -1};
+    long k = 1;
+    w[0] = x[0];
+    w[1] = x[1];
+    for (; k + SOME <= n; k += SOME) {
+        const OF(Vector) there = __builtin_shuffle(*(const OF(Vector) *)(x + 2 * (n - k - SOME + 1)), OF(REVERSED));
+        const OF(Vector) u = *(const OF(Vector) *)(x + 2 * k) + sign * __builtin_shuffle(there, OF(SWAPPED));
+        *(OF(Vector) *)(w + 2 * k) = u * *(const OF(Vector) *)(along + 2 * k)
+            + __builtin_shuffle(u, OF(SWAPPED)) * *(const OF(Vector) *)(across + 2 * k);
+    }
+    for (; k < n; k++) {
+        const REAL u = x[2 * k] + x[2 * (n - k) + 1], v = x[2 * k + 1] - x[2 * (n - k)];
+        w[2 * k] = u * along[2 * k] + v * across[2 * k];
+        w[2 * k + 1] = v * along[2 * k + 1] + u * across[2 * k + 1];
+    }
+}
+
+/* x = w_k exp(-i pi k / 2n) + w_(n-k) exp(i pi k / 2n) */
+CLONES static void OF(turn_back)(const Line *l, const REAL *restrict w, REAL *restrict x)
+{
+    const long n = l->points;
+    const REAL *restrict along = l->turn, *restrict across = along + 2 * n;
+    long k = 1;
+    x[0] = 2 * w[0];
+    x[1] = 2 * w[1];
+    for (; k + SOME <= n; k += SOME) {
+        const OF(Vector) there = __builtin_shuffle(*(const OF(Vector) *)(w + 2 * (n - k - SOME + 1)), OF(REVERSED));
+        const OF(Vector) here = *(const OF(Vector) *)(w + 2 * k);
+        *(OF(Vector) *)(x + 2 * k) = (here + there) * *(const OF(Vector) *)(along + 2 * k)
+            + __builtin_shuffle(there - here, OF(SWAPPED)) * *(const OF(Vector) *)(across + 2 * k);
+    }
+    for (; k < n; k++) {
+        const REAL u = w[2 * k], v = w[2 * k + 1], a = w[2 * (n - k)], b = w[2 * (n - k) + 1];
+        x[2 * k] = (u + a) * along[2 * k] + (b - v) * across[2 * k];
+        x[2 * k + 1] = (v + b) * along[2 * k + 1] + (a - u) * across[2 * k + 1];
+    }
+}
+
+/* changes the signs of waves of odd number */
+static void OF(alternate)(const Line *l, REAL *x)
+{
+    for (long k = 2 * ((l->points + 1) / 2); k < 2 * l->points; k++) x[k] = -x[k];
+}
+
+/* what a line's FFT takes, from x, which does not survive */
+static void OF(enter)(const Line *l, REAL *restrict x, REAL *restrict w, int back, long odd)
+{
+    const long n = l->points, m = n - 1;
+    if (l->closed) {
+        if (odd) x[0] = x[1] = x[2 * m] = x[2 * m + 1] = 0.0;
+        memcpy(w, x, 2 * n * sizeof *w);
+        OF(mirror)(x, w + 2 * m, m, odd ? -1 : 1);
+        return;
+    }
+    if (odd && back) OF(alternate)(l, x);
+    if (back) {
+        memcpy(w, x, 2 * n * sizeof *w);
+        return;
+    }
+    if (odd) {
+        x[0] = x[1] = 0.0;
+        OF(mirror)(x, w, n, 1);
+        memcpy(x + 2, w + 2, 2 * (n - 1) * sizeof *x);
+    }
+    OF(turn)(l, x, w);
+}
+
+/* what comes from it */
+CLONES static void OF(leave)(const Line *l, REAL *restrict w, REAL *restrict x, int back, long odd)
+{
+    const long n = l->points;
+    if (l->closed && odd) {
+        for (long k = 0; k < n; k++) { /* i w */
+            x[2 * k] = -w[2 * k + 1];
+            x[2 * k + 1] = w[2 * k];
+        }
+        x[0] = x[1] = x[2 * n - 2] = x[2 * n - 1] = 0.0;
+    } else if (l->closed || !back) {
+        memcpy(x, w, 2 * n * sizeof *x);
+        if (odd) OF(alternate)(l, x);
+    } else {
+        OF(turn_back)(l, w, x);
+        if (odd) {
+            OF(mirror)(x, w, n, 1);
+            memcpy(x + 2, w + 2, 2 * (n - 1) * sizeof *x);
+            x[0] = x[1] = 0.0;
+        }
+    }
+}
+
+/* Some lines, `apart` complex numbers from each other, transformed in place. */
+static void OF(lines)(const Line *l, REAL *x, long apart, long count, int back, long odd)
+{
+    const long wide = 2 * (l->closed ? 2 * (l->points - 1) : l->points + l->points % 2);
+    REAL *w = l->row, *found = l->half; /* in place FFTW would copy them besides */
+    for (long done = 0; done < count; done += PAIRS) {
+        const long some = count - done < PAIRS ? count - done : PAIRS;
+        REAL *first = x + done * 2 * apart;
+        for (long i = 0; i < some; i++) OF(enter)(l, first + i * 2 * apart, w + i * wide, back, odd);
+        EXECUTE(l->closed || back ? l->to_half : l->to_row);
+        for (long i = 0; i < some; i++) OF(leave)(l, found + i * wide, first + i * 2 * apart, back, odd);
+    }
+}
+
+/* Some columns of a field's rows, pair after pair, zero beyond the rows used. */
+CLONES static void OF(gather)(const Transform *t, const Shares *s, long field, long first, long columns, long used)
+{
+    const long r = t->shape[0], apart = 2 * (r + r % 2), pairs = (columns + 1) / 2;
+    const long filled = used + used % 2;
+    REAL *restrict to = (REAL *)t->block + field * PAIRS * apart;
+    for (long p = 0; p < filled / 2; p++) {
+        const REAL *restrict z = OF(pair_of)(t, s, field, p) + 2 * first;
+        for (long q = 0; q < pairs; q++) {
+            const int two = 2 * q + 1 < columns;
+            REAL *restrict o = to + q * apart + 4 * p;
+            o[0] = z[4 * q];
+            o[1] = two ? z[4 * q + 2] : 0.0;
+            o[2] = z[4 * q + 1];
+            o[3] = two ? z[4 * q + 3] : 0.0;
+        }
+    }
+    for (long q = 0; q < pairs; q++) memset(to + q * apart + 2 * used, 0, (apart - 2 * used) * sizeof *to);
+}
+
+CLONES static void OF(scatter)(const Transform *t, const Shares *s, long field, long first, long columns,
+                           long used)
+{
+    const long r = t->shape[0], apart = 2 * (r + r % 2), pairs = (columns + 1) / 2;
+    const REAL *restrict from = (REAL *)t->block + field * PAIRS * apart;
+    for (long p = 0; p < (used + 1) / 2; p++) {
+        REAL *restrict z = OF(pair_of)(t, s, field, p) + 2 * first;
+        for (long q = 0; q < pairs; q++) {
+            const REAL *restrict o = from + q * apart + 4 * p;
+            z[4 * q] = o[0];
+            z[4 * q + 1] = o[2];
+            if (2 * q + 1 == columns) break;
+            z[4 * q + 2] = o[1];
+            z[4 * q + 3] = o[3];
+        }
+    }
+}
+
+/* x = s x, s y, or x + s y, for a pair of columns */
+CLONES static void OF(scale_pair)(REAL *restrict x, const REAL *restrict s, long n)
+{
+    for (long k = 0; k < n; k++) x[k] *= s[k];
+}
+
+CLONES static void OF(put_pair)(REAL *restrict x, const REAL *restrict s, const REAL *restrict y, long n)
+{
+    for (long k = 0; k < n; k++) x[k] = s[k] * y[k];
+}
+
+CLONES static void OF(add_pair)(REAL *restrict x, const REAL *restrict s, const REAL *restrict y, long n)
+{
+    for (long k = 0; k < n; k++) x[k] += s[k] * y[k];
+}
+
+/* the blocks of a response, or their transpose, times the columns of a block */
+static void OF(couple_pairs)(const Transform *t, const Response *response, long first, long pairs,
+                             int transposed)
+{
+    const long r = t->shape[0], apart = 2 * (r + r % 2), wide = PAIRS * apart;
+    REAL *x = t->block, *y = response->product;
+    int begun[MOST] = {0};
+    memcpy(y, x, t->count * wide * sizeof *x);
+    for (long i = 0; i < t->count; i++)
+        for (long j = 0; j < t->count; j++) {
+            const REAL *s = response->symbol[i][j];
+            const long to = transposed ? j : i, from = transposed ? i : j;
+            for (long q = 0; q < pairs && s; q++)
+                (begun[to] ? OF(add_pair) : OF(put_pair))(x + to * wide + q * apart, s + first * r + q * 2 * r,
+                                                          y + from * wide + q * apart, 2 * r);
+            begun[to] |= s != 0;
+        }
+    for (long i = 0; i < t->count; i++)
+        if (!begun[i]) memset(x + i * wide, 0, wide * sizeof *x);
+}
+
+/* the symbols of a response, or each field's own, times the columns of a block */
+static void OF(multiply)(const Transform *t, const Response *response, const REAL *symbol, long first,
+                         long pairs, int transposed)
+{
+    const long r = t->shape[0], apart = 2 * (r + r % 2);
+    if (response && response->product) {
+        OF(couple_pairs)(t, response, first, pairs, transposed);
+        return;
+    }
+    for (long i = 0; i < t->count; i++) {
+        const REAL *s = response ? response->symbol[i][i] : symbol + i * t->waves;
+        for (long q = 0; q < pairs; q++)
+            OF(scale_pair)((REAL *)t->block + (i * PAIRS + q) * apart, s + first * r + q * 2 * r, 2 * r);
+    }
+}
+
+/* The rows of all fields, of which some are used, transformed; or back. Of slabs they go to what is sent
+   while they are in the processor's cache, or come from there. */
+static void OF(folded_rows)(const Transform *t, const Shares *s, long used, int back)
+{
+    const long c = t->shape[1], pairs = (used + 1) / 2;
+    for (long i = 0; i < t->count; i++)
+        for (long p = 0; p < pairs; p += PAIRS) {
+            const long some = pairs - p < PAIRS ? pairs - p : PAIRS;
+            REAL *x = OF(field_of)(t, i) + 2 * p * c;
+            if (s && back) share_rows(s, i, p, some, x, back);
+            OF(lines)(&t->line[1], x, c, some, back, t->odd[i][1]);
+            if (s && !back) share_rows(s, i, p, some, x, back);
+        }
+}
+
+/* The columns of rows that are transformed: there, times symbols, and back. */
+static void OF(folded_columns)(const Transform *t, const Shares *s, const Response *response, const REAL *symbol,
+                    long used, int transposed)
+{
+    const long r = t->shape[0], c = t->shape[1], apart = r + r % 2, wide = PAIRS * 2 * apart;
+    for (long first = 0; first < c; first += COLUMNS) {
+        const long columns = c - first < COLUMNS ? c - first : COLUMNS, pairs = (columns + 1) / 2;
+        for (long i = 0; i < t->count; i++) {
+            OF(gather)(t, s, i, first, columns, used);
+            OF(lines)(&t->line[0], (REAL *)t->block + i * wide, apart, pairs, 0, t->odd[i][0]);
+        }
+        OF(multiply)(t, response, symbol, first, pairs, transposed);
+        for (long i = 0; i < t->count; i++) {
+            OF(lines)(&t->line[0], (REAL *)t->block + i * wide, apart, pairs, 1, t->odd[i][0]);
+            OF(scatter)(t, s, i, first, columns, used);
+        }
+    }
+}
