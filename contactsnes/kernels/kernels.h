@@ -43,7 +43,7 @@ typedef struct { /* a cosine transform of a row from the axis outwards */
 typedef struct { /* of `count` fields on a circle of shape[0] x shape[1] points (1 x m on a line) */
     long even, count, shape[2], waves; /* waves: numbers of a field's spectrum, complex if not even */
     long single;                       /* whether what it holds are floats, not doubles */
-    void *real, *spectrum;             /* the same memory for an even line; in the plane transposed */
+    void *real, *spectrum;             /* the same memory for an even line; in the plane transposed; packed: a block */
     long odd[MOST][2];                 /* if even: of sines in place of cosines, by field and direction */
     Line line[2];
     void *forward, *backward;

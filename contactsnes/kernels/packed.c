@@ -71,10 +71,10 @@ CLONES static void gather(const Transform *t, long field, long first, long colum
     memset(to + 2 * columns * r, 0, 2 * (COLUMNS - columns) * r * sizeof *to);
 }
 
-CLONES static void scatter(const Transform *t, long field, long first, long columns, long used)
+CLONES static void scatter(const Transform *t, const float *found, long field, long first, long columns, long used)
 {
     const long r = t->shape[0], c = t->shape[1];
-    const float *restrict from = (float *)t->block + field * COLUMNS * 2 * r;
+    const float *restrict from = found + field * COLUMNS * 2 * r;
     for (long p = 0; p < (used + 1) / 2; p++) {
         float *restrict z = field_of_in_single(t, field) + p * 2 * c;
         for (long k = 0; k < columns; k++) {
@@ -93,13 +93,12 @@ CLONES static void scatter(const Transform *t, long field, long first, long colu
     }
 }
 
-/* the blocks, or their transpose, times the waves of some columns */
+/* the blocks, or their transpose, times the waves of some columns, which go where the columns came from */
 static void couple(const Response *r, long first, long columns, int transposed)
 {
     const Transform *t = r->transform;
     const long rows = t->shape[0], n = columns * rows, m = r->boxes, wide = 2 * COLUMNS * rows;
-    float *x = t->block, *product = r->product;
-    memcpy(product, x, t->count * wide * sizeof *x);
+    float *x = t->block, *waves = t->spectrum;
     memset(x, 0, t->count * wide * sizeof *x);
     for (long i = 0; i < r->components; i++)
         for (long j = 0; j < r->components; j++) {
@@ -111,9 +110,43 @@ static void couple(const Response *r, long first, long columns, int transposed)
                     const float *own = s + ((a * m + b) * t->waves + first * rows) * numbers;
                     const long to = transposed ? j * m + b : i * m + a;
                     const long from = transposed ? i * m + a : j * m + b;
-                    add_times_in_single(x + to * wide, own, product + from * wide, n, r->is_complex[i][j],
+                    add_times_in_single(x + to * wide, own, waves + from * wide, n, r->is_complex[i][j],
                                         transposed ? -1.0f : 1.0f);
                 }
+        }
+}
+
+/* Some columns of all fields, transformed, times symbols, and back. Out of place: in place FFTW would copy
+   them besides. */
+static void columns_of(const Transform *t, const Response *response, const float *symbol, long first,
+                       long columns, long used, int transposed)
+{
+    const long r = t->shape[0];
+    float *waves = t->spectrum, *found = t->block;
+    for (long i = 0; i < t->count; i++) gather(t, i, first, columns, used);
+    libraries.execute_rows(t->columns, t->block, waves);
+    if (response && response->product) {
+        couple(response, first, columns, transposed);
+        waves = t->block;
+        found = t->spectrum;
+    } else
+        for (long i = 0; i < t->count; i++) {
+            const float *s = response ? response->symbol[i][i] : symbol + i * t->waves;
+            times_in_single(waves + i * 2 * COLUMNS * r, s + first * r, columns * r);
+        }
+    libraries.execute_rows(t->columns_back, waves, found);
+    for (long i = 0; i < t->count; i++) scatter(t, found, i, first, columns, used);
+}
+
+/* The rows of all fields that are used, transformed, or back, by way of a row of other memory. */
+static void along(const Transform *t, void *plan, long used)
+{
+    const long c = t->shape[1];
+    for (long i = 0; i < t->count; i++)
+        for (long p = 0; p < (used + 1) / 2; p++) {
+            float *z = field_of_in_single(t, i) + p * 2 * c;
+            libraries.execute_rows(plan, z, t->spectrum);
+            memcpy(z, t->spectrum, 2 * c * sizeof *z);
         }
 }
 
@@ -122,30 +155,13 @@ static void couple(const Response *r, long first, long columns, int transposed)
 void packed_multiply(const Transform *t, const Response *response, const void *symbol, long used,
                      int transposed)
 {
-    const long r = t->shape[0], c = t->shape[1], waves = c / 2 + 1, pairs = (used + 1) / 2;
-    for (long i = 0; i < t->count; i++)
-        for (long p = 0; p < pairs; p++) {
-            float *z = field_of_in_single(t, i) + p * 2 * c;
-            libraries.execute_rows(t->forward, z, z);
-        }
+    const long waves = t->shape[1] / 2 + 1;
+    along(t, t->forward, used);
     for (long first = 0; first < waves; first += COLUMNS) {
         const long columns = waves - first < COLUMNS ? waves - first : COLUMNS;
-        for (long i = 0; i < t->count; i++) gather(t, i, first, columns, used);
-        libraries.execute_single(t->columns);
-        if (response && response->product) couple(response, first, columns, transposed);
-        else
-            for (long i = 0; i < t->count; i++) {
-                const float *s = response ? response->symbol[i][i] : (const float *)symbol + i * t->waves;
-                times_in_single((float *)t->block + i * 2 * COLUMNS * r, s + first * r, columns * r);
-            }
-        libraries.execute_single(t->columns_back);
-        for (long i = 0; i < t->count; i++) scatter(t, i, first, columns, used);
+        columns_of(t, response, symbol, first, columns, used, transposed);
     }
-    for (long i = 0; i < t->count; i++)
-        for (long p = 0; p < pairs; p++) {
-            float *z = field_of_in_single(t, i) + p * 2 * c;
-            libraries.execute_rows(t->backward, z, z);
-        }
+    along(t, t->backward, used);
 }
 
 /* the symbol 1 / gain / (1 + C D), column after column */

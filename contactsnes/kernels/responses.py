@@ -6,6 +6,7 @@ import numpy as np
 
 from . import structures
 from .structures import address
+from .transforms import Packed
 
 WAVES = 2048
 """Waves of a spectrum that blocks are multiplied with at a time, as kernels.h has it."""
@@ -13,6 +14,8 @@ WAVES = 2048
 
 def _copied(transform, by_columns=False):
     """Memory for the part of spectra that blocks are multiplied with at a time."""
+    if isinstance(transform, Packed):
+        return transform.found
     if by_columns or transform.structure.packed:
         return np.empty_like(transform.block)
     return np.empty((transform.count, WAVES), dtype=transform.spectrum.dtype)

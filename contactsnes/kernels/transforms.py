@@ -125,10 +125,13 @@ class Packed(Compiled):
         self.gain, self.real, own = math.prod(shape), real, self.structure
         self.waves = shape[0], shape[1] // 2 + 1
         self.block = pyfftw.zeros_aligned((count, COLUMNS, shape[0]), dtype=np.complex64)
+        # what a block, or a row, is transformed to
+        self.found = pyfftw.zeros_aligned(max(self.block.size, shape[1]), dtype=np.complex64)
         own.single = own.packed = 1
-        own.real, own.block, own.waves = address(real), address(self.block), math.prod(self.waves)
-        self._rows = Rows(shape[1], 1, own.real)
-        self._columns = Rows(shape[0], count * COLUMNS, own.block)
+        own.real, own.block, own.spectrum = map(address, (real, self.block, self.found))
+        own.waves = math.prod(self.waves)
+        self._rows = Rows(shape[1], 1, own.real, own.spectrum)
+        self._columns = Rows(shape[0], count * COLUMNS, own.block, own.spectrum)
         own.forward, own.backward = self._rows.forward, self._rows.backward
         own.columns, own.columns_back = self._columns.forward, self._columns.backward
 
