@@ -525,16 +525,21 @@ static const double DIFFERENCE[] = {70.0, -56.0, 28.0, -8.0, 1.0};
 /* The largest size of sums of nine numbers each, times factors, of n that stand in rows. */
 CLONES static double largest_sum(const double *const *rows, const double *factors, long n)
 {
+    const double *restrict a = rows[0], *restrict b = rows[1], *restrict c = rows[2], *restrict d = rows[3];
+    const double *restrict e = rows[4], *restrict f = rows[5], *restrict g = rows[6], *restrict h = rows[7];
+    const double *restrict i = rows[8], *restrict s = factors;
     double most[LANES] = {0}, found = 0.0;
+    if (n == 1) return fabs(s[0] * *a + s[1] * *b + s[2] * *c + s[3] * *d + s[4] * *e + s[5] * *f + s[6] * *g
+                            + s[7] * *h + s[8] * *i);
     for (long from = 0; from < n; from += CHUNK) {
         const long count = n - from < CHUNK ? n - from : CHUNK;
         double sum[CHUNK] = {0};
-        for (long d = 0; d < 2 * REACH + 1; d++) {
-            const double *restrict row = rows[d] + from;
-            for (long i = 0; i < count; i++) sum[i] += factors[d] * row[i];
-        }
-        for (long i = 0; i < CHUNK; i += LANES)
-            for (int l = 0; l < LANES; l++) most[l] = fabs(sum[i + l]) > most[l] ? fabs(sum[i + l]) : most[l];
+        for (long k = 0; k < count; k++) /* all at once: each number is read, none is put down in between */
+            sum[k] = s[0] * a[from + k] + s[1] * b[from + k] + s[2] * c[from + k] + s[3] * d[from + k]
+                + s[4] * e[from + k] + s[5] * f[from + k] + s[6] * g[from + k] + s[7] * h[from + k]
+                + s[8] * i[from + k];
+        for (long k = 0; k < CHUNK; k += LANES)
+            for (int l = 0; l < LANES; l++) most[l] = fabs(sum[k + l]) > most[l] ? fabs(sum[k + l]) : most[l];
     }
     for (int l = 0; l < LANES; l++) found = most[l] > found ? most[l] : found;
     return found;
