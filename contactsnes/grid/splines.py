@@ -27,7 +27,7 @@ def spline(values, places, axis):
 
     Parameters
     ----------
-    values : array, nodes along the axis
+    values : array, nodes along the axis; the library overwrites them
     places : array, in nodes
     axis : int
     """

@@ -37,7 +37,7 @@ def spline(values, places, axis):
     count = shape[axis]
     if not count:  # of slabs, where others have all rows
         return values
-    coefficients = np.array(values, dtype=float, order="C")
+    coefficients = np.require(values, dtype=float, requirements=("C", "W"))
     places = np.ascontiguousarray(places, dtype=float)
     found = np.empty((*shape[:axis], len(places), *shape[axis + 1:]))
     turned = np.empty(LINES * count)

@@ -72,9 +72,11 @@ class Coupled(Law):
         Below ``deepest`` it is the integral of the linear continuation. With slip these laws have
         no potential.
         """
+        if not np.min(normal_gap, initial=self.deepest) < self.deepest:
+            decay = np.exp(-normal_gap)
+            decay *= 1.0 + normal_gap
+            return np.subtract(1.0, decay, out=decay)
         depth = np.minimum(normal_gap - self.deepest, 0.0)
-        if not depth.any():
-            return 1.0 - (1.0 + normal_gap) * np.exp(-normal_gap)
         bounded = normal_gap - depth
         traction, slope = self.normal(bounded)
         return 1.0 - (1.0 + bounded) * np.exp(-bounded) + depth * (traction + 0.5 * slope * depth)
