@@ -107,7 +107,7 @@ class Resolution:
         alternating : part of the largest traction that alternates from node to node
         """
         if jumped:
-            self._say("jump", f"a jump moved fewer than {NARROW} nodes: its fold "
+            self._say("jump", f"what a jump moved is nowhere wider than {NARROW} nodes: its fold "
                       "may be the grid's, where an edge of contact or "
                       "slip passes from node to node; see whether it "
                       "stays on a grid twice as fine")
