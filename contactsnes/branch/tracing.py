@@ -29,6 +29,9 @@ PART = 2 ** 14
 """Nodes that are moved at a time."""
 EXACT = 1e-8
 """Relative tolerance of the linear solve for a direction, on which the place of a fold depends."""
+MUCH = 0.05
+"""Residual of a direction, over the direction itself, that is too much, however small it is beside
+the right side."""
 TIGHT = 1e-11
 """Residual norm of a fold: next to a bifurcation that is nearly one, its load depends on the
 residual a hundredfold."""
@@ -252,7 +255,8 @@ class Tracer(Corrector, Neighbours, Ends):
 
     def _linear(self, snes, form, right, tolerance):
         """J^-1 of a ``right`` side, a function that fills an array, at the last linearisation of
-        the form of a SNES, by its KSP, in memory of the SNES."""
+        the form of a SNES, by its KSP, in memory of the SNES, to a residual that is a part
+        ``tolerance`` of the right side and, where that is much of the answer, of that."""
         ksp = kept(snes.getKSP())
         # The second of its matrices is ours, too, where the user has products by finite differences
         # (-snes_mf_operator).
@@ -270,11 +274,19 @@ class Tracer(Corrector, Neighbours, Ends):
         vectors = idle(snes, form)
         right(vectors[0].getArray())
         callbacks.solve(ksp, vectors)
+        self.totals["linear_iterations"] += ksp.getIterationNumber()
+        size = vectors[1].norm()
+        if ksp.getConvergedReason() > 0 and ksp.getResidualNorm() > MUCH * size > 0.0:
+            # A load may move the contact by much less than the body between them gives way.
+            ksp.setTolerances(rtol=1e-14, atol=tolerance * size)
+            ksp.setInitialGuessNonzero(True)
+            callbacks.solve(ksp, vectors)
+            ksp.setInitialGuessNonzero(False)
+            self.totals["linear_iterations"] += ksp.getIterationNumber()
         change = vectors[1].getArray()
         ksp.setType(kind)
         ksp.setTolerances(rtol=tolerances[0], atol=tolerances[1])
         snes.setUseEW(forcing)
-        self.totals["linear_iterations"] += ksp.getIterationNumber()
         if ksp.getConvergedReason() < 0 and tolerance <= EXACT:
             raise NotConverged(
                 f"no direction of the branch: KSP {KSP_REASONS[ksp.getConvergedReason()]}")

@@ -574,6 +574,23 @@ def test_the_tangent_is_a_tangent(options, form, controls, load, rate):
     assert wrong[0] / wrong[1] > 3.2 or (form == "force" and wrong[1] < 0.05 * moved)
 
 
+@pytest.mark.parametrize("law", ("modified", "xu_needleman"))
+def test_the_tangent_of_a_thick_layer_is_that_of_its_contact(law):
+    """A layer that gives way by a thousand times what its contact does leaves little of the right
+    side, and all of the direction is in that."""
+    scene = Scene(points=128, period=15.0, geometry="rough", rough_on="flat", rough_slope=1.5,
+                  rough_shortest=1.0, normal_maugis=0.6, tangential_maugis=2.0, law=law)
+    branch = Branch(scene, Load(start="normal_displacement=1", path="tangential_displacement=0.4"),
+                    Steps(initial_step=0.2, largest_step=0.2))
+    _, first, last = branch
+    leg = Leg(1, last.controls, np.array([1.0, 0.0]), np.array([1.0, 0.4]), 1, 0.5, 0.5, 1e-6)
+    ahead = branch.corrector.along_tangent(first, leg, first.position, 0.5)
+    moved = last.state.displacement - first.state.displacement
+    assert np.linalg.norm(moved) < 1e-3 * last.load[1]
+    assert (np.linalg.norm(ahead.displacement - last.state.displacement)
+            < 0.02 * np.linalg.norm(moved))
+
+
 @pytest.mark.parametrize("controls, rate", [((DISPLACEMENT,), [1.0]),
                                             ((DISPLACEMENT, DISPLACEMENT), [-1.0, 0.0]),
                                             ((FORCE, DISPLACEMENT), [0.5, 2.0])],
