@@ -89,6 +89,7 @@ class Branch:
         self.corrector = Tracer(self.contact, form, log)
         self.stability = Stability(self.corrector,
                                    self.steps.stability) if self.steps.stability != "off" else None
+        self.corrector.certified = self.stability is not None
         # Branches of grids that pin bend at every node, and are marked as not resolved.
         if max(resolution(self.contact.scene, any(self._sheared))) <= PINNING:
             self.corrector.examiner = Stability(self.corrector, SIGN, told=True)

@@ -57,6 +57,7 @@ class Corrector:
     """
 
     prefix = ""  # of the options of its SNES
+    certified = False  # whether somebody looks for the modes of its points
 
     def __init__(self, contact, settings, log=lambda sentence: None, tolerance=None):
         self.contact = contact
@@ -109,8 +110,8 @@ class Corrector:
             guess = self.fitted(guess)
             form = self.form_on(guess, controls)
             form.set_load(load)
-            unknown, iterations = self.run(form, stirred(form, form.packed(guess)),
-                                           most_iterations)
+            unknown = stirred(form, form.packed(guess), self.certified)
+            unknown, iterations = self.run(form, unknown, most_iterations)
             state = form.state(unknown)
             if not self.covers(form, state):
                 guess = self.fitted(state, afresh=True)

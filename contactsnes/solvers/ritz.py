@@ -8,7 +8,7 @@ from .vectors import communicator
 TELLING = 3
 """Iterations of a linear solve whose Ritz values tell of a mode that is unstable."""
 STIRRED = 1e-5
-"""Displacement, root mean square in ranges of the law, by which a solve of many spots begins
+"""Displacement, root mean square in ranges of the law, by which a solve of spots begins
 elsewhere."""
 
 
@@ -17,17 +17,20 @@ def many(contact):
     return not contact.convex and len(contact.grid.shape) == 2
 
 
-def stirred(form, unknown):
-    """An unknown, where spots are many with a little added, in place, of which every mode has a
-    part: a Krylov space sees what its residual has a part of, and that of equal spots has none of
-    a pattern, however unstable.
+def stirred(form, unknown, certified):
+    """An unknown, where there may be several spots with a little added, in place, of which every
+    mode has a part: a Krylov space sees what its residual has a part of, and that of equal spots
+    has none of a pattern, however unstable.
 
     Parameters
     ----------
     form : of the equations
     unknown : array of the form's size
+    certified : bool, whether certificates find all modes: on a line they need no more, and the
+        digits of their bifurcations suffer
     """
-    if form.in_displacements and form.components == 1 and many(form.contact):
+    alike = many(form.contact) or not (certified or form.contact.convex)
+    if form.in_displacements and form.components == 1 and alike:
         noise = np.random.default_rng(communicator(form).rank).random(form.count)
         noise -= 0.5
         noise *= STIRRED / max(form.grid.norm(noise), 1e-300)

@@ -47,6 +47,29 @@ def test_a_pattern_is_told_of_where_solves_are_stirred(pulled):
     assert points[0].softest > 0.0 and points[-1].load[0] == UNSTABLE
 
 
+@pytest.mark.parametrize("told", (True, False))
+def test_patterns_of_equal_spots_of_a_line_are_told_of(told, monkeypatch):
+    """Four of them lose two at once, which a load that moves all alike does not excite: between the
+    same points as where all modes are looked for."""
+    if not told:
+        monkeypatch.setattr(ritz, "STIRRED", 0.0)
+    said, load = [], Load(start="normal_displacement=-1.5", path="normal_displacement=-2.3")
+
+    def branch(stability):
+        return list(Branch(Scene(geometry="flat", points=384, period=48.0, normal_maugis=1.0), load,
+                           Steps(initial_step=0.2, largest_step=0.2, stability=stability),
+                           geometry=lambda x: 1.5 * (1 - np.cos(np.pi * x / 6)), log=said.append))
+
+    sentence = "2 modes of the branch change their sign between normal_displacement -1.7 and " \
+        "normal_displacement -1.9:"
+    plain = branch("off")
+    assert any(words.startswith(sentence) for words in said) == told
+    certified = branch("sign")
+    assert [point.load[0] for point in certified if point.event == "bifurcation"] == pytest.approx(
+        [-1.71478], abs=1e-4)
+    assert plain[-1].forces[0] == pytest.approx(certified[-1].forces[0], rel=1e-6)
+
+
 def test_motion_leaves_the_state_to_a_pattern(pulled):
     """With inertia, from beside it by a wave as long as the cell: what is told is true."""
     _, branch, points, _ = pulled
