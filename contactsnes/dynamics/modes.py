@@ -24,6 +24,10 @@ them."""
 LOST = 0.15
 """Residual of the first mode of the last point, carried to this one, from which on modes of its
 symmetry are looked for as if none were known: a few products from there may lead to the second."""
+STIFF = 0.9
+"""Eigenvalue that this mode may have, by its residual, from which on the same is done. Where the
+law does not act any vector has the eigenvalue 1, and so has the mean of a whole cell: it tells
+nothing of a mode that softens."""
 SHORT, LONG = 3, 12
 PATIENCE = 8
 RUNS = 40
@@ -105,9 +109,10 @@ def _searched(space, start, accurate, number, neutral):
 
 
 def _lost(space):
-    """Numbers of symmetries of which no mode is known, or those of the last point are far from
-    being some of this one's."""
-    known = {symmetry for symmetry, modes in space.found().items() if modes.residuals[0] < LOST}
+    """Numbers of symmetries of which no mode is known that is soft, or those of the last point are
+    far from being some of this one's."""
+    known = {symmetry for symmetry, modes in space.found().items()
+             if modes.residuals[0] < min(LOST, STIFF - modes.values[0].real)}
     return [symmetry for symmetry in range(len(space.by.lengths)) if symmetry not in known]
 
 

@@ -2,6 +2,7 @@
 in time, folds, other grids."""
 
 from dataclasses import replace
+from itertools import takewhile
 
 import numpy as np
 import petsc4py
@@ -321,3 +322,20 @@ def test_points_beside_a_fold_need_no_dense_matrix(monkeypatch):
                                             type="arclength", stability="sign")))
     assert any(point.event == "fold" for point in points)
     assert all(point.stable >= 0 for point in points)
+
+
+@pytest.mark.parametrize("spots, pitch, points, maugis, counts", ((2, 9.0, 112, 2.5, {0, 1}),
+                                                                  (3, 12.0, 252, 2.0, {0, 2})))
+def test_a_mode_that_softens_in_one_step_is_found(spots, pitch, points, maugis, counts):
+    """Valleys between equal spots, which are closed at first: every eigenvalue is 1 and more at one
+    point, and one of each mirror image's, or of one alone, below 0 at the next."""
+    scene = Scene(geometry="flat", points=points, period=pitch * spots, normal_maugis=maugis,
+                  height=20.0)
+    branch = Branch(scene, Load(start="normal_displacement=2", path="normal_displacement=-4"),
+                    Steps(stability="sign"),
+                    geometry=lambda x: 1.5 * (1 - np.cos(2 * np.pi * x / pitch)))
+    found = [point for point in takewhile(lambda point: point.load[0] > 1.1, branch)
+             if not point.event]
+    expected = [np.sum(Cell(branch.contact, point).eigenvalues().real < -NEUTRAL)
+                for point in found]
+    assert [point.unstable_modes for point in found] == expected and set(expected) == counts
