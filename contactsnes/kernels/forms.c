@@ -153,7 +153,7 @@ static int asks_for_sums(const Form *f)
 static void put(const Form *f, const Response *r, const double *vector, Fill fill, double *sum)
 {
     const long m = f->components, rows = r->shape[0], c = r->on_circle ? f->nodes : r->shape[1];
-    const long lines = r->on_circle ? 1 : r->boxes * rows, parts = (c + PART - 1) / PART;
+    const long lines = r->on_circle ? 1 : r->boxes * rows, parts = c > PART ? (c + PART - 1) / PART : 1;
     const long most = ((c + parts - 1) / parts + 7) / 8 * 8; /* of a row's parts: vectors of a processor */
     const int sums_up = asks_for_sums(f);
     double part[MOST * PART];

@@ -10,6 +10,8 @@ TELLING = 3
 STIRRED = 1e-5
 """Displacement, root mean square in ranges of the law, by which a solve of spots begins
 elsewhere."""
+PART = 2 ** 14
+"""Nodes that are looked at at a time."""
 
 
 def many(contact):
@@ -33,9 +35,25 @@ def stirred(form, unknown, certified):
     if form.in_displacements and form.components == 1 and alike:
         noise = np.random.default_rng(communicator(form).rank).random(form.count)
         noise -= 0.5
+        _keep_open(form, unknown, noise)
         noise *= STIRRED / max(form.grid.norm(noise), 1e-300)
         unknown[:form.count] += noise
     return unknown
+
+
+def _keep_open(form, unknown, noise):
+    """Set noise to zero, in place, where surfaces overlap: modes lose their stability where the law
+    softens, and deep overlap is as stiff as the law is steep.
+
+    Parameters
+    ----------
+    form : of one component
+    unknown, noise : arrays of the form's size, and of its nodes
+    """
+    root, gap = np.broadcast_to(form.root, form.nodes), getattr(form, "half", form).initial_gap
+    for first in range(0, form.nodes, PART):
+        part = slice(first, min(first + PART, form.nodes))
+        noise[part][unknown[part] * root[part] + gap[part] <= 0.0] = 0.0
 
 
 def ritz_values(ksp):
