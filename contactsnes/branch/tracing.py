@@ -29,7 +29,7 @@ PART = 2 ** 14
 """Nodes that are moved at a time."""
 EXACT = 1e-8
 """Relative tolerance of the linear solve for a direction, on which the place of a fold depends."""
-MUCH = 0.05
+MUCH = 0.2
 """Residual of a direction, over the direction itself, that is too much, however small it is beside
 the right side."""
 TIGHT = 1e-11
@@ -278,7 +278,7 @@ class Tracer(Corrector, Neighbours, Ends):
         size = vectors[1].norm()
         if ksp.getConvergedReason() > 0 and ksp.getResidualNorm() > MUCH * size > 0.0:
             # A load may move the contact by much less than the body between them gives way.
-            ksp.setTolerances(rtol=1e-14, atol=tolerance * size)
+            ksp.setTolerances(rtol=tolerance * size / vectors[0].norm(), atol=1e-50)
             ksp.setInitialGuessNonzero(True)
             callbacks.solve(ksp, vectors)
             ksp.setInitialGuessNonzero(False)
