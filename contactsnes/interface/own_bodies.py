@@ -50,7 +50,7 @@ def check_own(body, scene):
         compliance, stiffness = body.surface(q), body.surface_stiffness(q)
         _check_surface(compliance, stiffness, q, named)
         _check_rigid(body, compliance, q, named)
-        _check_claims(body, scene, q, named)
+        _check_claims(body, scene, compliance, q, named)
 
 
 @contextmanager
@@ -120,7 +120,7 @@ def _check_rigid(body, c, q, named):
                          f"normally and {left[1]:.6g} along the surface")
 
 
-def _check_claims(body, scene, q, named):
+def _check_claims(body, scene, c, q, named):
     """InputError where what a body says of itself is not what its surface shows: on it depends what
     is solved for.
 
@@ -128,10 +128,10 @@ def _check_claims(body, scene, q, named):
     ----------
     body : Body
     scene : Scene
+    c : Surface, its compliance
     q : array, wave numbers, 1/beta
     named : str
     """
-    c = body.surface(q)
     if scene.isolated:
         _check_far_field(body, c, q, named)
     coupling = np.abs(c.coupling) / np.sqrt(c.normal * c.longitudinal) + 0 * q
