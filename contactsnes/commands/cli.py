@@ -28,6 +28,7 @@ from ..options.help import help_text
 from ..options.words import asks_for_help
 from ..output.files import ArchiveError, WriteError
 from ..scene import settings as scenes
+from ..scene.parts import blamed
 from ..scene.units import UNITS
 from ..system.processes import world
 from ..system.streams import Interrupts, standard_streams
@@ -93,7 +94,7 @@ def _written(status):
 def _ended(words, interrupts):
     """Run a command to its end, whatever that is; return the exit status."""
     try:
-        return _begun(words, interrupts)
+        return _answered(words, interrupts)
     except (InputError, ArchiveError) as error:
         complain("error", error)
         return 1 if isinstance(error, WriteError) else 2
@@ -118,6 +119,19 @@ def _ended(words, interrupts):
     finally:
         gc.collect()  # PETSc objects with Python contexts must not outlive PETSc
     return 2
+
+
+def _answered(words, interrupts):
+    """The exit status of a command; InputError for what fails in a file of one's own."""
+    try:
+        return _begun(words, interrupts)
+    except (InputError, ArchiveError, MemoryError):
+        raise
+    except Exception as error:
+        reason = blamed(error)
+        if not reason:
+            raise
+    raise InputError(reason)
 
 
 def _begun(words, interrupts):

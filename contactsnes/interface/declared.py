@@ -20,10 +20,12 @@ class Declared(Options):
     ----------
     name : what an option of the scene calls it; a class without one is a base of others
     meaning : what the help says of it
+    made : methods that are made of what it declares, and are none for it to replace
     """
 
     prefix = "scene_"
     name, meaning = "", ""
+    made = ()
 
     def __init_subclass__(cls, **options):
         super().__init_subclass__(**options)

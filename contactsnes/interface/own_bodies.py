@@ -5,6 +5,7 @@ from contextlib import contextmanager
 import numpy as np
 
 from ..options.fields import InputError
+from . import own_methods
 from .bodies import BODIES
 from .bodies.body import Body
 from .bodies.layer import Layer
@@ -30,9 +31,6 @@ NEAR = 0.01
 SHORTEST = np.array([1e9])
 """Wave number of waves beside which no layer has a height, 1/beta."""
 
-MADE = ("compliance", "diagonal", "stiffness")
-"""What is made of the surface on the waves of a grid."""
-
 
 def check_own(body, scene):
     """InputError unless a body of one's own has finite compliances that store energy, a stiffness
@@ -40,12 +38,13 @@ def check_own(body, scene):
     if type(body) in BODIES.values():
         return
     named = f"{scene.option_name('body')} is '{scene.body}'"
-    for name in MADE:
+    for name in Body.made:
         if getattr(type(body), name) is not getattr(Body, name):
             raise InputError(f"{named}: it has a {name} of its own, which is made of "
                              "surface(wavenumber) for every grid: declare that, and leave "
                              f"{name} out")
     q = _waves(scene)
+    own_methods.check_returned(body, named, scene)
     with _evaluated(named):
         compliance, stiffness = body.surface(q), body.surface_stiffness(q)
         _check_surface(compliance, stiffness, q, named)

@@ -9,6 +9,7 @@ import numpy as np
 from ..grid.cell import Grid
 from ..grid.fields import mirrored
 from ..options.fields import InputError
+from . import own_methods
 from .gap import by_rows, initial_gap, is_convex, where
 from .seams import rms_slope, seams
 from .shapes import SHAPES, of
@@ -106,6 +107,10 @@ def check_declared(shape, scene):
         if not isinstance(axes := getattr(shape, name), (tuple, list)) or set(axes) - {0, 1}:
             raise InputError(f"{named}, which declares {name} = {axes!r}: allowed is a tuple of "
                              "directions, (), (0,), (1,) or (0, 1)")
+    own_methods.check_returned(shape, named, scene)
+    if shape.by_rows and type(shape).rows is Shape.rows:
+        raise InputError(f"{named}, which declares by_rows, but has no rows(grid, scene): write "
+                         "it, or leave by_rows out")
     if not isinstance(shape.parabola, dict):
         raise InputError(f"{named}, which declares parabola = {shape.parabola!r}: allowed is a "
                          "dictionary from the dimension to the curvature, as {1: 1.0}")

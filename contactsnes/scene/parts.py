@@ -4,7 +4,16 @@ them, and options of others."""
 import dataclasses
 import reprlib
 
-from ..interface import bodies, laws, own_bodies, own_files, own_laws, own_shapes, shapes
+from ..interface import (
+    bodies,
+    laws,
+    own_bodies,
+    own_files,
+    own_laws,
+    own_methods,
+    own_shapes,
+    shapes,
+)
 from ..options.fields import InputError, as_text, extend
 
 REGISTRIES = (laws.REGISTRY, shapes.REGISTRY, bodies.REGISTRY)
@@ -43,6 +52,7 @@ def with_parts(scene, law=None, geometry=None, body=None):
             values = {registry.field: made.name,
                       **{name: getattr(made, name) for name in made.declared()}}
         else:
+            own_methods.check(registry, f"the {registry.kind} is {reprlib.repr(made)}", made)
             values = {registry.field: registry.keep(made)}
         if any(getattr(scene, name) != value for name, value in values.items()):
             scene = dataclasses.replace(scene, **values)
@@ -68,6 +78,7 @@ def admit(cls, values):
             continue
         made = own_files.load(registry, name, own_shapes.plain if registry is shapes.REGISTRY
                               else None)
+        own_methods.check(registry, f"-scene_{registry.field} is '{name}'", made)
         try:
             extend(cls, made.declared() if isinstance(made, type) else {})
             registry.enter(name, made)
@@ -106,6 +117,11 @@ def check(scene):
     shapes.of(scene).check(scene)
     own_bodies.check_own(bodies.of(scene), scene)
     bodies.of(scene).check(scene)
+
+
+def blamed(error):
+    """A sentence on an error out of a file of one's own (`own_methods.blamed`)."""
+    return own_methods.blamed(error, REGISTRIES)
 
 
 def sources(scene):

@@ -84,6 +84,7 @@ class Body(Declared):
     local_compliance : normal and tangential compliance that is left for the shortest waves, beta/E*
     """
 
+    made = ("compliance", "diagonal", "stiffness")
     work_ratio = 1.0
     local_compliance = (0.0, 0.0)
 
