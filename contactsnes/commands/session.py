@@ -17,7 +17,7 @@ from ..branch.grid_choice import chosen, on
 from ..interface import shapes
 from ..options.database import check_names, check_values, database, install, petsc_arguments, read
 from ..options.fields import InputError, meant
-from ..options.files import located, refuse_circles
+from ..options.files import entries, located, refuse_circles
 from ..scene import settings as scenes
 from ..scene.load import Load
 from ..scene.settings import OPTION_CLASSES
@@ -130,7 +130,7 @@ def start_comparison(arguments, log):
     stem = Path(asked.file or f"comparison-{methods.variant(scene, words)}")
     _check_files(stem, asked.overwrite)
     branch = create_branch(settings)
-    typed = {name: given[name] for name in methods.entries(words) if name in given}
+    typed = {name: given[name] for name in entries(words) if name in given}
     found = methods.read_methods(paths, typed)
     for method in found:
         install({**given, **method.entries})

@@ -5,13 +5,20 @@ import os
 import sys
 
 from .. import __version__
-from ..options.database import BEGINNING, database
+from ..options.database import BEGINNING, database, install
 from ..options.fields import InputError
+from ..options.files import entries
 from ..system.devices import checksum
 from ..system.processes import launched, missing, world
+from .speech import complain
 
 SHARED = ("run", "info")
 """Commands that several processes can do together."""
+
+AT_START = ("log_", "malloc", "info", "fp_trap", "on_error_", "start_in_debugger")
+"""How names of PETSc's options begin that it looks at as it starts."""
+
+_OTHERS = {}
 
 
 def assemble(command):
@@ -54,22 +61,56 @@ def stay_alone():
 
 
 def begin_petsc(words):
-    """Initialise PETSc with an argument list; InputError for options that it refuses, or processes
-    that are not ours."""
+    """Initialise PETSc with an argument list, or where it runs already, give its database these
+    options; InputError for options that it refuses, or processes that are not ours."""
     import petsc4py
 
-    if world.size == 1:
-        stay_alone()
-    try:
-        petsc4py.init(["contactsnes", *BEGINNING, *words])
-    except RuntimeError as error:
-        raise InputError(
-            f"PETSc does not start with these options ({error}); it says why above") from None
+    loaded = sys.modules.get("petsc4py.PETSc")
+    if loaded and loaded.Sys.isInitialized():
+        _go_on(entries(words))
+    else:
+        if world.size == 1:
+            stay_alone()
+        try:
+            petsc4py.init(["contactsnes", *BEGINNING, *words])
+        except RuntimeError as error:
+            raise InputError(f"PETSc does not start with these options ({error}); it says why "
+                             "above") from None
+        _keep_others(entries(words))
     here = sys.modules["petsc4py.PETSc"].COMM_WORLD
     if here.getSize() != world.size:
         _refuse(max(here.getSize(), world.size), max(here.getRank(), world.rank),
                 f"PETSc knows of {here.getSize()} and mpi4py of {world.size}: both have to belong "
                 "to the MPI of the launcher; else start contactsnes without mpirun or srun")
+
+
+def _keep_others(given):
+    """Remember what PETSc's database holds besides the options of a command (name -> value): what
+    PETSc itself was started with, which later commands of this process find, too."""
+    _OTHERS.update(entries(BEGINNING), **{name: value for name, value in database().items()
+                                          if name not in given})
+
+
+def _go_on(given):
+    """Make PETSc's database hold the options of a command in place of those of an earlier one, in a
+    program that has started PETSc before.
+
+    Parameters
+    ----------
+    given : mapping from names to values
+    """
+    if "options_file" in given:
+        raise InputError(f"-options_file is '{given['options_file']}', which PETSc reads as it "
+                         "starts, but it runs already: give the options as lines '-option value' "
+                         "in a file, or start PETSc with it (petsc4py.init)")
+    if not _OTHERS:
+        _keep_others({})
+    install({})  # so that none of them counts as used
+    install({**_OTHERS, **given})
+    late = [f"-{name}" for name in given if name.startswith(AT_START)]
+    if late:
+        complain("warning", f"{', '.join(late)}: PETSc looks at that as it starts, but it runs "
+                 "already: give it to petsc4py.init")
 
 
 def refuse_unshared(scene):

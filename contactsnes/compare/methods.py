@@ -14,7 +14,7 @@ from typing import ClassVar, NamedTuple
 
 from ..options.database import split_arguments
 from ..options.fields import InputError, Options, option
-from ..options.files import folders, is_option, read_file
+from ..options.files import entries, folders, read_file
 from ..solvers import capabilities
 
 
@@ -105,28 +105,6 @@ def files_at_hand():
 def is_method(path):
     """Whether a file of options says nothing on a scene or a load."""
     return not any(name.startswith(("scene_", "load_")) for name in entries(read_file(path)))
-
-
-def entries(arguments):
-    """Name (lower case, without dash) -> value of the options of an argument list; a flag has an
-    empty text."""
-    found = {}
-    prefixes = []
-    name = ""
-    for argument in arguments:
-        if not is_option(argument):
-            if name == "prefix_push":
-                prefixes.append(argument.lower())
-            elif name:
-                found[name] = argument
-            continue
-        name = argument.lstrip("-").lower()
-        if name == "prefix_pop":
-            prefixes.pop()
-        elif name != "prefix_push":
-            name = "".join(prefixes) + name
-            found[name] = ""
-    return found
 
 
 def read_methods(paths, given):

@@ -165,3 +165,25 @@ def _read_line(line, where):
                          f"'{line.strip()}'; write one option a line with one "
                          "dash, and a value with blanks in double quotes")
     return [match["name"], *values]
+
+
+def entries(arguments):
+    """Name (lower case, without dash) -> value of the options of an argument list; a flag has an
+    empty text."""
+    found = {}
+    prefixes = []
+    name = ""
+    for argument in arguments:
+        if not is_option(argument):
+            if name == "prefix_push":
+                prefixes.append(argument.lower())
+            elif name:
+                found[name] = argument
+            continue
+        name = argument.lstrip("-").lower()
+        if name == "prefix_pop":
+            prefixes.pop()
+        elif name != "prefix_push":
+            name = "".join(prefixes) + name
+            found[name] = ""
+    return found

@@ -51,26 +51,12 @@ def child(job):
         os.dup2(descriptor, number)
         os.close(descriptor)
     from contactsnes.commands import cli
-    from contactsnes.options.database import install, is_option, petsc_arguments
-    from contactsnes.options.fields import InputError
 
     if job.get("fault"):
         from campaigns import planted
 
         planted.plant(job["fault"])
-    words = job["words"]
-    try:
-        entries, name = {"options_left": "no"}, ""
-        for word in petsc_arguments(words[1:])[1:] if words[0] in ("run", "info") else []:
-            if is_option(word):
-                name = word[1:]
-                entries[name] = ""
-            elif name:
-                entries[name] = word
-        install(entries)
-    except InputError:
-        pass  # the command says so itself
-    return cli.main(words)
+    return cli.main(job["words"])
 
 
 def run(job):
