@@ -179,11 +179,15 @@ def checksum(arrays):
     return checksums.of(*(arrays[name] for name in (*NODES, "mean")))
 
 
-def kept(file, place):
-    """What an open archive holds of the point at a place (from 0) among those with fields."""
-    active = file["fields/active"]
-    begin, end = active["offsets"][place:place + 2]
-    return {name: active[name][..., begin:end] for name in NODES} | {"mean": active["mean"][place]}
+def datasets(file):
+    """Where an open archive keeps fields on active nodes, name -> h5py.Dataset."""
+    return {name: file["fields/active"][name] for name in ("offsets", *NODES, "mean")}
+
+
+def kept(held, place):
+    """What `datasets` hold of the point at a place (from 0) among those with fields."""
+    begin, end = held["offsets"][place:place + 2]
+    return {name: held[name][..., begin:end] for name in NODES} | {"mean": held["mean"][place]}
 
 
 class Rebuilt:

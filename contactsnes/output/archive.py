@@ -235,12 +235,7 @@ class Archive:
         told = file.attrs.get("warnings", "").splitlines()
         self._warnings = "\n".join([*told, *(line for line in self._warnings.splitlines()
                                              if line not in told)])
-        # what is copied later on has to be whole
-        for name in set(file.get("fields", ())) & {"displacement", "traction", "mode"}:
-            for point in stored.field_points(file):
-                stored.field(file, name, point)
-        for point in stored.field_points(file) if self._layout.active else ():
-            stored.on_active(file, point)
+        stored.Fields(file).check()  # what is copied later on has to be whole
 
     def _last(self, file):
         """State and leg of the last point."""

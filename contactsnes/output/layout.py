@@ -217,9 +217,10 @@ class Layout:
         sums = np.zeros((points, 1 + self._sums), "u4")
         if known.shape[1] < sums.shape[1]:
             sums[:, 0] = checksums.rows({name: new["branch"][name][:] for name in self.columns})
+            held = active.datasets(new) if self.active else {}
             for place, point in enumerate(field_points(old)):
                 sums[point, 1:] = [
-                    *([active.checksum(active.kept(new, place))] if self.active else []),
+                    *([active.checksum(active.kept(held, place))] if held else []),
                     *(checksums.of(new["fields"][name][place]) for name in self.arrays)]
         sums[:, : known.shape[1]] = known
         new["checksums"].resize(points, axis=0)

@@ -157,7 +157,7 @@ class Record(Mapping):
             held = self.points - len(self._waiting)
             if held <= point < self.points and point in self.field_points:
                 return self._waiting[point - held].fields[name]
-            return self._taken(lambda file: stored.field(file, name, point))
+            return self._taken(lambda file: stored.Fields(file).field(name, point))
         return self._cell(name, self.active(point))
 
     def _number(self, point, *names):
@@ -196,7 +196,7 @@ class Record(Mapping):
         held = self.points - len(self._waiting)
         if held <= point < self.points and point in self.field_points:
             return self._waiting[point - held].fields
-        return self._taken(lambda file: stored.on_active(file, point))
+        return self._taken(lambda file: stored.Fields(file).on_active(point))
 
     def each(self, points, names=("displacement", "traction")):
         """Iterate over points: of each the fields of these names, a list, as of `field`; many cost
@@ -211,15 +211,16 @@ class Record(Mapping):
         held = self.points - len(self._waiting)
         in_file = [point for point in points if not held <= point < self.points]
 
-        def kept(file, point):
-            on_active = (stored.on_active(file, point)
+        def kept(fields, point):
+            on_active = (fields.on_active(point)
                          if self.on_active and set(names) - {"mode"} else None)
-            return on_active, {name: stored.field(file, name, point) for name in names
+            return on_active, {name: fields.field(name, point) for name in names
                                if on_active is None or name == "mode"}
 
         def take(file):
+            fields = stored.Fields(file)
             for point in in_file:
-                kept(file, point)
+                kept(fields, point)
 
         if in_file and self._tried:
             checked(self.path, take)
@@ -228,7 +229,7 @@ class Record(Mapping):
                 yield [self.field(name, point) for name in names]
                 continue
             with open_archive(self.path) as file:
-                on_active, whole = kept(file, point)
+                on_active, whole = kept(stored.Fields(file), point)
             yield [whole[name] if name in whole else self._cell(name, on_active)
                    for name in names]
 

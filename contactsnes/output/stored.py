@@ -25,49 +25,73 @@ ZIPPED = b"PK"
 SLOTS = STATES + 1
 """One more, so that a new state never overwrites one that counts."""
 
+ARRAYS = "displacement", "traction", "mode"
+"""Fields of the cell, in the order of their checksums."""
 
-def field(file, name, point):
-    """A field of a point, (components, *grid), in an open archive.
+
+class Fields:
+    """Fields of the points of an open archive, each held against its checksum; archives of older
+    programs have none.
 
     Parameters
     ----------
     file : h5py.File
-    name : {'displacement', 'traction', 'mode'}
-    point : int, from 0
 
-    Raises
-    ------
-    ArchiveError
-        If the point has no fields there, or the field is not the one that was written.
+    Attributes
+    ----------
+    points : points (from 0) whose fields are stored, as of `field_points`
     """
-    stored = field_points(file)
-    if point not in stored:
-        raise ArchiveError(f"{file.filename} keeps no fields of point {point}.")
-    found = file["fields"][name][stored.index(point)]
-    _check(file, name, point, checksums.of(found))
-    return found
 
+    def __init__(self, file):
+        self._file, self.points = file, field_points(file)
+        stored = file.get("fields", {})
+        self._arrays = {name: stored[name] for name in ARRAYS if name in stored}
+        self._active = active.datasets(file) if has_active(file) else {}
+        names = ["active"] * bool(self._active) + [*(ARRAYS[2:] if self._active else ARRAYS)]
+        self._sums = file.get("checksums")
+        columns = 0 if self._sums is None else self._sums.shape[1]
+        self._column = dict(zip(names, range(1, columns)))
 
-def on_active(file, point):
-    """What an open archive keeps of a point on active nodes, name -> array; ArchiveError as of
-    `field`."""
-    stored = field_points(file)
-    if point not in stored:
-        raise ArchiveError(f"{file.filename} keeps no fields of point {point}.")
-    found = active.kept(file, stored.index(point))
-    _check(file, "active", point, active.checksum(found))
-    return found
+    def field(self, name, point):
+        """A field of a point, (components, *grid).
 
+        Parameters
+        ----------
+        name : {'displacement', 'traction', 'mode'}
+        point : int, from 0
 
-def _check(file, name, point, found):
-    """ArchiveError where the checksum of a point's field is not the one found; archives of older
-    programs have none."""
-    names = ("active", "mode") if has_active(file) else ("displacement", "traction", "mode")
-    sums = dict(zip(names, file["checksums"][point, 1:])) if "checksums" in file else {}
-    if sums.get(name, found) != found:
-        raise ArchiveError(f"{file.filename} is damaged: the checksum of {name} "
-                           f"at point {point} is not that of what "
-                           "it holds.")
+        Raises
+        ------
+        ArchiveError
+            If the point has no fields there, or the field is not the one that was written.
+        """
+        found = self._arrays[name][self._place(point)]
+        self._check(name, point, checksums.of(found))
+        return found
+
+    def on_active(self, point):
+        """What is kept of a point on active nodes, name -> array; ArchiveError as of `field`."""
+        found = active.kept(self._active, self._place(point))
+        self._check("active", point, active.checksum(found))
+        return found
+
+    def check(self):
+        """ArchiveError, as of `field`, unless all fields are those that were written."""
+        for point in self.points:
+            for name in self._arrays:
+                self.field(name, point)
+            if self._active:
+                self.on_active(point)
+
+    def _place(self, point):
+        if point not in self.points:
+            raise ArchiveError(f"{self._file.filename} keeps no fields of point {point}.")
+        return self.points.index(point)
+
+    def _check(self, name, point, found):
+        if name in self._column and self._sums[point, self._column[name]] != found:
+            raise ArchiveError(f"{self._file.filename} is damaged: the checksum of {name} "
+                               f"at point {point} is not that of what it holds.")
 
 
 def has_active(file):
