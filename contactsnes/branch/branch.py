@@ -22,7 +22,7 @@ from ..options.fields import InputError
 from ..output import resuming
 from ..scene import settings as scenes
 from ..scene.load import controls_along, names, quantities, units
-from ..scene.parts import check_law, sources, with_parts
+from ..scene.parts import for_branch, sources
 from ..scene.resolution import PINNING, resolution
 from ..solvers.capabilities import asked, has_modes
 from ..solvers.registry import OPTIONS
@@ -73,8 +73,7 @@ class Branch:
         self.steps, form = scenes.of_run(scene, load, steps, form)
         check_names(SOLVER_OPTIONS)
         check_values(SOLVER_OPTIONS)
-        scene = with_parts(scene, law, geometry, body)
-        check_law(scene)
+        scene = for_branch(scene, law, geometry, body)
         scene = chosen(scene, load)
         self.scene, self.load = scene, load
         scenes.check(scene, load, self.steps)

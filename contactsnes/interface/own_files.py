@@ -47,8 +47,20 @@ def load(registry, name, plain=None):
     if not isinstance(made, (type, registry.base)):
         made = plain(made)
     # What was computed with it is of what the file says now, not of what it says later.
-    made.source_sha256 = hashlib.sha256(path.read_bytes()).hexdigest()
+    made.source_sha256 = _sha256(path)
     return made
+
+
+def is_stale(name, made):
+    """Whether the file of what `FILE.py:NAME` named says something else now than when it was
+    loaded; one that is no longer there says nothing."""
+    path = Path(name.rpartition(":")[0])
+    return path.is_file() and _sha256(path) != made.source_sha256
+
+
+def _sha256(path):
+    """Checksum of a file."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _contents(registry, option, path, functions):

@@ -3,6 +3,7 @@ them, and options of others."""
 
 import dataclasses
 import reprlib
+import warnings
 
 from ..interface import (
     bodies,
@@ -57,6 +58,31 @@ def with_parts(scene, law=None, geometry=None, body=None):
         if any(getattr(scene, name) != value for name, value in values.items()):
             scene = dataclasses.replace(scene, **values)
     return scene
+
+
+def for_branch(scene, law=None, geometry=None, body=None):
+    """As `with_parts`, with a law of one's own looked at, and a warning of files that have
+    changed.
+
+    Parameters
+    ----------
+    scene, law, geometry, body : as of `with_parts`
+    """
+    scene = with_parts(scene, law, geometry, body)
+    check_law(scene)
+    _warn_of_stale(scene)
+    return scene
+
+
+def _warn_of_stale(scene):
+    """Warn of files of one's own, of those that a scene names, that have changed since this program
+    read them: what they said then is what is computed with."""
+    for registry in REGISTRIES:
+        name = getattr(scene, registry.field)
+        if name in registry.own and own_files.is_stale(name, registry.own[name]):
+            warnings.warn(f"-scene_{registry.field} is '{name}': the file has changed since this "
+                          "program read it, and what it said then is used; start Python anew, or "
+                          f"give an object in its place ({registry.field}=)", stacklevel=4)
 
 
 def admit(cls, values):

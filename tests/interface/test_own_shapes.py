@@ -362,3 +362,15 @@ def test_declarations_of_another_kind_are_told(declared, words, period):
         shape.parabola = {1: 1.0}
     with pytest.raises(InputError, match=words):
         with_parts(Scene(normal_maugis=1.0, period=period), geometry=shape)
+
+
+def test_a_file_that_has_changed_since_it_was_read_is_told(written):
+    """As in a notebook: the file is read once, and its text of then is used."""
+    path = written()
+    scene = Scene(**LINE, geometry=f"{path}:gap")
+    before = last(scene).forces[0]
+    path.write_text(FILE.replace("x ** 2 / 2", "x ** 2"), encoding="utf-8")
+    with pytest.warns(UserWarning, match="gap': the file has changed since this program read it"):
+        assert last(Scene(**LINE, geometry=f"{path}:gap")).forces[0] == before
+    path.unlink()
+    assert last(scene).forces[0] == before
