@@ -62,7 +62,7 @@ def write_csv(path, columns, rows):
             writer = csv.DictWriter(file, list(columns), extrasaction="ignore", lineterminator="\n")
             writer.writeheader()
             writer.writerows(rows)
-    _replace(path, write)
+    replaced(path, write)
 
 
 def write_hdf5(path, attributes, content):
@@ -81,7 +81,7 @@ def write_hdf5(path, attributes, content):
             file.attrs.update(attributes)
             _fill(file, content)
         device.check()
-    _replace(path, write)
+    replaced(path, write)
 
 
 def read_hdf5(path):
@@ -113,9 +113,20 @@ def _content(group):
             for name, item in group.items()}
 
 
-def _replace(path, write):
-    """Let ``write`` make a file beside ``path`` and put that in its place."""
-    partial = Path(path).with_name(Path(path).name + ".partial")
+def replaced(path, write):
+    """Let ``write`` make a file beside ``path``, with the same ending, and put that in its place; a
+    device is written to as it is.
+
+    Parameters
+    ----------
+    path : path of the file
+    write : function of the path that it writes to
+    """
+    path = Path(path).resolve()
+    if path.exists() and not path.is_file():
+        write(path)
+        return
+    partial = path.with_name(f"{path.stem}.partial{path.suffix}")
     try:
         write(partial)
         os.replace(partial, path)

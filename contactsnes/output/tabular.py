@@ -13,6 +13,7 @@ from .columns import instead
 from .extras import extra
 from .files import ArchiveError
 from .reading import read
+from .tables import replaced
 
 OWN = ("archive", "point", "complete")
 """Columns that an archive does not have itself: its path, the number of the point, from 0, and
@@ -194,7 +195,8 @@ def write_table(paths, table, asked):
         raise InputError(f"-output is '{path}', whose folder does not exist: create it, or name "
                          "another")
     if asked.format == "csv":
-        path.write_text(as_csv(table, asked.units), encoding="utf-8")
+        text = as_csv(table, asked.units)
+        replaced(path, lambda partial: partial.write_text(text, encoding="utf-8"))
     else:
-        write_parquet(path, table)
+        replaced(path, lambda partial: write_parquet(partial, table))
     return path

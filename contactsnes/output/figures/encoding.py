@@ -73,7 +73,7 @@ def write_mp4(path, rate, scenes):
             break
     _, told = process.communicate()
     if process.returncode:
-        raise InputError(f"ffmpeg cannot write {path} ({told.decode(errors='replace').strip()}): "
+        raise InputError(f"ffmpeg cannot write a movie ({told.decode(errors='replace').strip()}): "
                          "take -format gif")
 
 

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from ...options.fields import InputError
 from ..files import ArchiveError
 from ..prefixes import read
+from ..tables import replaced
 from .data import NothingToShow, along_load, contact_region, fields, free_of_rounding, inside, shear
 from .encoding import ending, write_gif, write_mp4
 from .maps import draw_edge, draw_map, edge, rows
@@ -84,7 +85,8 @@ def write_movie(path, asked):
     rate = _rate(record, asked)
     # Formulas take most of the time: numbers at axes are none.
     with matplotlib.rc_context({**settings(asked.style), "axes.formatter.use_mathtext": False}):
-        (write_mp4 if kind == "mp4" else write_gif)(target, rate, _scenes(record, asked))
+        write, scenes = write_mp4 if kind == "mp4" else write_gif, _scenes(record, asked)
+        replaced(target, lambda path: write(path, rate, scenes))
     return target
 
 

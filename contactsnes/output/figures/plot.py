@@ -32,6 +32,7 @@ from ...options.fields import InputError
 from ..asked import PlotOptions, listed
 from ..files import ArchiveError
 from ..prefixes import alike, read
+from ..tables import replaced
 from .curves import draw_columns, together
 from .data import NothingToShow, choose_points
 from .loads import draw_approach, draw_area, draw_shear
@@ -153,7 +154,7 @@ def _save(figure, path):
     with warnings.catch_warnings():
         warnings.filterwarnings("error", "constrained_layout not applied")
         try:
-            figure.savefig(path)
+            replaced(path, figure.savefig)
         except UserWarning:
             width, height = 2.54 * figure.get_size_inches()
             raise InputError(f"-plot_size is too small for {path}, {width:.3g} x {height:.3g} cm: "

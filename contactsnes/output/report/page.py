@@ -10,6 +10,7 @@ from ...options.fields import InputError
 from ..extras import extra
 from ..files import ArchiveError
 from ..prefixes import read
+from ..tables import replaced
 from . import certificates, words
 from .curves import curves
 from .fields import chosen_points, fields_figure, first_shown
@@ -51,7 +52,8 @@ def write_report(path, asked):
     if not target.parent.is_dir():
         raise InputError(f"-output is '{target}', whose folder does not exist: create it, or name "
                          "another")
-    target.write_text(page(record, asked), encoding="utf-8")
+    text = page(record, asked)
+    replaced(target, lambda partial: partial.write_text(text, encoding="utf-8"))
     return target
 
 

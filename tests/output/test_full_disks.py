@@ -1,0 +1,59 @@
+"""Tables, figures and movies on a disk that is full: what was there stays, nothing is left half
+written."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+from processes import ENVIRONMENT
+
+from contactsnes.output.tables import replaced
+
+RUN = """
+from contactsnes.commands.cli import main
+assert main(["run", "-scene_points", "128", "-scene_period", "20", "-scene_normal_maugis", "1",
+             "-load_path", "normal_displacement=0.5", "-archive_file", "run.h5",
+             "-archive_fields", "all"]) == 0
+"""
+SHOW = """
+import resource, sys
+from contactsnes.commands.cli import main
+resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder with an archive."""
+    path = tmp_path_factory.mktemp("full")
+    subprocess.run([sys.executable, "-c", RUN], check=True, cwd=path, env=ENVIRONMENT,
+                   capture_output=True)
+    return path
+
+
+@pytest.mark.parametrize("words, name", ((("table", "run.h5", "-output", "all.csv"), "all.csv"),
+                                         (("movie", "run.h5", "-format", "gif"), "run.gif"),
+                                         (("plot", "run.h5"), "run-approach.png")))
+def test_what_was_there_stays(folder, words, name):
+    (folder / name).write_text("of before", encoding="utf-8")
+    before = sorted(path.name for path in folder.iterdir())
+    done = subprocess.run([sys.executable, "-c", SHOW, *words], cwd=folder, env=ENVIRONMENT,
+                          capture_output=True, text=True)
+    assert done.returncode == 1 and "what is made of run.h5 cannot be written" in done.stderr
+    assert (folder / name).read_text(encoding="utf-8") == "of before"
+    assert sorted(path.name for path in folder.iterdir()) == before
+
+
+def test_a_device_and_a_link_are_written_to(tmp_path):
+    pipe, linked = tmp_path / "pipe", tmp_path / "linked.txt"
+    (tmp_path / "file.txt").write_text("of before", encoding="utf-8")
+    linked.symlink_to("file.txt")
+    replaced(linked, lambda path: path.write_text("new", encoding="utf-8"))
+    assert linked.is_symlink() and (tmp_path / "file.txt").read_text(encoding="utf-8") == "new"
+    os.mkfifo(pipe)
+    end = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    replaced(pipe, lambda path: path.write_text("told", encoding="utf-8"))
+    assert os.read(end, 9) == b"told" and pipe.exists()
+    os.close(end)
