@@ -23,7 +23,7 @@ from ..solvers.patience import Patience
 from ..solvers.precision import PATIENCE, pays, trusted
 from ..solvers.regularised import step_from_afar
 from ..solvers.ritz import stirred
-from ..solvers.snes import KSP_REASONS, SNES_REASONS, WARM, create_snes
+from ..solvers.snes import KSP_REASONS, SNES_REASONS, WARM, create_snes, end_of
 from ..solvers.vectors import collect, create_vector
 
 
@@ -64,7 +64,7 @@ class Corrector:
         self.settings = settings
         self.log = log
         self.tolerance = tolerance
-        self.form = self.snes = None
+        self.form = self.snes = self._ended = None
         self.patience = Patience()
         self.arc = None  # the form with the arc length, and its SNES, while the form stays
         self.boxes = 1
@@ -195,6 +195,7 @@ class Corrector:
         if form.precision.turned > turned == 0:
             self.log(TURNED)
         solution.destroy()  # at once: older petsc4py does so late
+        self._ended = end_of(snes, form) if newton else None
         iterations, reason = snes.getIterationNumber(), snes.getConvergedReason()
         self.totals["nonlinear_iterations"] += iterations
         own = snes.getPythonContext() if snes.getType() == "python" else None
@@ -258,7 +259,8 @@ class Corrector:
             state = states.State(window, states.onto(state, window), state.means)
         if self._balanced[0] is not state:
             self.totals["function_evaluations"] += 1
-            self._balanced = state, self.balance(state, form.controls, form.load, form)
+            self._balanced = state, self.balance(state, form.controls, form.load, form,
+                                                   self._ended)
         return self._balanced[1]
 
     def covers(self, form, state):
@@ -271,8 +273,7 @@ class Corrector:
     def _point(self, form, state, imbalance, iterations):
         """The Point of a state that passes the test of convergence; NotConverged for one that does
         not."""
-        contact = self.contact
-        components = form.components
+        contact, components = self.contact, form.components
         survey, tolerance = contact.survey(state), self.snes.getTolerances()[1]
         if not imbalance.norm <= tolerance:
             raise NotConverged("the solver stopped at residual_norm "

@@ -85,6 +85,7 @@ class DisplacementForm:
         self.tangent = np.zeros((self.components, *self.shape))
         self.drag = np.zeros(self.components)
         self._evaluations = self._products = 0
+        self.pulled = None, None  # transforms when `pull` had ended, and what it returned
 
     @cached_property
     def work(self):
@@ -188,7 +189,9 @@ class DisplacementForm:
         mean = self.far - self.rigid_compliance * total / self.grid.size
         mean[self.forced] = scalars
         traction -= mean[:, None]
-        return (self.row_scale * total - self.row_target)[self.forced]
+        rows = (self.row_scale * total - self.row_target)[self.forced]
+        self.pulled = self.grid.counter.made, rows
+        return rows
 
     def closest_beyond(self, mean):
         """Smallest normal gap at nodes of the cell that are none of the window's, some nodes of it,

@@ -53,6 +53,11 @@ class Counter:
         return float(self.numbers[2])
 
     @property
+    def made(self):
+        """A number that every transform changes."""
+        return float(self.numbers[0] + self.numbers[2])
+
+    @property
     def weighed(self):
         """Transforms so far, those in single precision as half of one."""
         return float(self.numbers[0] + 0.5 * self.numbers[2])

@@ -198,6 +198,7 @@ void begin_residual(Form *f, const double *unknown, double *sum)
 {
     f->evaluations++;
     put(f, f->response, unknown, fill_tractions, sum);
+    memcpy(f->total, sum, sizeof f->total);
     if (f->ahead) memcpy(f->last, unknown, f->components * f->nodes * sizeof *unknown);
     f->known = f->ahead != 0;
 }
@@ -209,6 +210,7 @@ int residual(Form *f, const double *unknown, double *out)
     begin_residual(f, unknown, sum);
     int status = convolve(f->response, 0);
     if (status) return status;
+    f->answered = f->response->transform->counter[0] + f->response->transform->counter[2];
     for (long i = 0; i < m; i++) mean[i] = f->far[i] - f->rigid[i] * sum[i] / f->size;
     for (long row = 0; row < f->forced_count; row++) mean[f->forced[row]] = unknown[m * n + row];
     assemble(f, f->response, mean, 1.0 / f->root, unknown, out);

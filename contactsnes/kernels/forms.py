@@ -104,7 +104,14 @@ class CompiledForm:
              address(out))
         return out
 
-    def imbalance(self, displacement, scalars, reach):
+    def answers(self):
+        """Whether the response to the last residual's tractions is in the transform still; it is so
+        once, as whoever asks may overwrite it."""
+        own, made = self.structure, self.grid.counter.made
+        answered, own.answered = own.answered, -1.0
+        return not self.grid.any(answered != made)
+
+    def imbalance(self, displacement, scalars, reach, answered=False):
         """Norm of F at displacements, the largest imbalance at a node where the law acts, and
         whether it does anywhere, as of `contact.balance.asked`.
 
@@ -113,11 +120,12 @@ class CompiledForm:
         displacement : array (components, nodes), ranges of the law
         scalars : means of the force-controlled components, ranges of the law
         reach : normal gap within which the law acts, ranges
+        answered : bool, whether the response to their tractions is in the transform (`answers`)
         """
         numbers, scalars = np.empty(3), np.ascontiguousarray(scalars, dtype=float)
         displacement, row = np.ascontiguousarray(displacement), self._row()
         call(self.library.imbalance, self.grid.counter, self.reference, address(displacement),
-             address(scalars), reach, address(row), address(numbers))
+             address(scalars), reach, address(row), address(numbers), answered)
         return math.sqrt(numbers[0]), float(numbers[1]), numbers[2] > 0.0
 
     def _row(self):
@@ -201,6 +209,10 @@ class SharedForm(CompiledForm):
         """Sums over the cell of what a function of the library puts in the transform; 0 where a
         rigid body under displacement control asks for none."""
         begin(self.reference, address(vector), address(self._sums))
+        return self._together()
+
+    def _together(self):
+        """The sums of all processes."""
         half = self.half
         asked = len(half.forced) or half.rigid_compliance.any()
         return self.grid.together(self._sums) if asked else np.zeros(half.components)
@@ -215,6 +227,7 @@ class SharedForm(CompiledForm):
         half, self.structure.single = self.half, False
         total = self._totals(self.library.begin_residual, unknown)
         self._respond(False)
+        self.structure.answered = self.grid.counter.made
         mean = half.far - half.rigid_compliance * total / self.grid.size
         mean[half.forced] = half.scalars(unknown)
         self.library.end_product(self.reference, address(mean), 1.0 / half.root, address(unknown),
@@ -223,17 +236,21 @@ class SharedForm(CompiledForm):
         out[half.count:] = self.grid.held(rows[half.forced])
         return out
 
-    def imbalance(self, displacement, scalars, reach):
+    def imbalance(self, displacement, scalars, reach, answered=False):
         """Norm of F, the largest imbalance and whether the law acts, at the nodes of all processes.
 
         Parameters
         ----------
-        displacement, scalars, reach : as of `CompiledForm`
+        displacement, scalars, reach, answered : as of `CompiledForm`
         """
         half, found, grid = self.half, np.empty(3), self.grid
         displacement, row = np.ascontiguousarray(displacement), self._row()
-        total = self._totals(self.library.begin_imbalance, displacement)
-        self._respond(False)
+        if answered:
+            self._sums[:] = self.structure.total[:half.components]
+            total = self._together()
+        else:
+            total = self._totals(self.library.begin_imbalance, displacement)
+            self._respond(False)
         mean = half.far - half.rigid_compliance * total / grid.size
         mean[half.forced] = scalars
         self.library.end_imbalance(self.reference, address(displacement), address(mean), reach,

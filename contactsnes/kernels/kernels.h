@@ -81,6 +81,8 @@ typedef struct { /* DisplacementForm, or EvenForm: an unknown is scale times tha
     long components, nodes, forced_count, forced[MOST], evaluations, products, known;
     long single; /* whether products and their preconditioner are in single precision */
     double root, size;
+    double total[MOST], answered; /* tractions of the last residual, as far as they are here; the count of
+                                     transforms then: as long as it stands, the response is in the transform */
     const double *scale, *unscale, *weight; /* null where all are one */
     const double *initial_gap;
     double *tangent;

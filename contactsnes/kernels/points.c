@@ -425,14 +425,18 @@ void end_imbalance(Form *f, const double *displacement, const double *mean, doub
 }
 
 /* What the equations say of displacements, and of the means of forced components: the sum of squares of F,
-   the largest imbalance at a node where the law acts, ranges, and at how many it does; row as above. */
+   the largest imbalance at a node where the law acts, ranges, and at how many it does; row as above. Where
+   the response is that of the last residual, in the transform still, it is not made again. */
 int imbalance(Form *f, const double *displacement, const double *scalars, double reach, double *row,
-              double *numbers)
+              double *numbers, int answered)
 {
     double sum[MOST], mean[MOST];
-    begin_imbalance(f, displacement, sum);
-    int status = convolve(f->response, 0);
-    if (status) return status;
+    if (answered) memcpy(sum, f->total, sizeof sum);
+    else {
+        begin_imbalance(f, displacement, sum);
+        int status = convolve(f->response, 0);
+        if (status) return status;
+    }
     for (long i = 0; i < f->components; i++) mean[i] = f->far[i] - f->rigid[i] * sum[i] / f->size;
     for (long row = 0; row < f->forced_count; row++) mean[f->forced[row]] = scalars[row];
     end_imbalance(f, displacement, mean, reach, row, numbers);

@@ -96,6 +96,7 @@ class Form(ctypes.Structure):
     _fields_ = [("components", c_long), ("nodes", c_long), ("forced_count", c_long),
                 ("forced", c_long * MOST), ("evaluations", c_long), ("products", c_long),
                 ("known", c_long), ("single", c_long), ("root", c_double), ("size", c_double),
+                ("total", c_double * MOST), ("answered", c_double),
                 *((name, c_void_p) for name in ("scale", "unscale", "weight", "initial_gap",
                                                 "tangent", "ahead", "last", "rigid", "far",
                                                 "row_scale", "target", "drag")),

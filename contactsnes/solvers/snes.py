@@ -146,6 +146,14 @@ def idle(snes, form):
     return tuple(vector if vector.handle else create_vector(form) for vector in own)
 
 
+def end_of(snes, form):
+    """Norm of F, without the row of an arc, where a SNES ended; None on lines, whose transforms
+    take hardly longer than to look."""
+    left = snes.getFunction()[0].getArray(readonly=True)
+    own = getattr(form, "form", form)
+    return own.grid.norm(left[:own.size]) if len(own.grid.shape) > 1 else None
+
+
 def watch_modes(snes, form, method):
     """Give a form its monitor of Ritz values, which sees those of a method with a tangent.
 

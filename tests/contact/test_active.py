@@ -9,6 +9,7 @@ import pytest
 from contactsnes.branch.branch import Branch
 from contactsnes.commands.summary import start_window
 from contactsnes.contact import observables, states
+from contactsnes.contact.balance import Balance
 from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.problem import Contact
 from contactsnes.contact.scattered import boxed, on_nodes
@@ -292,6 +293,47 @@ def test_the_gap_beyond_the_window_is_known_from_a_residual(tmp_path, self_affin
     outside = branch.contact.gap_outside(point.state)
     assert found.closest == pytest.approx(outside.min(), rel=1e-12)
     assert found.closest >= branch.contact.law.certain
+
+
+@pytest.mark.parametrize("kernels", ["auto", "off"])
+def test_a_response_is_not_made_twice(tmp_path, self_affine, kernels):
+    """What the last residual of a solve has left tells of its state, and of no other one."""
+    scene = rough(tmp_path, self_affine, poisson=0.3)
+    branch, points = followed(scene, SHEARED[0], kernels=kernels)
+    point, form, grid = points[-1], branch.corrector.form, branch.contact.grid
+    state, given = point.state, (point.controls, point.load, form)
+    moved = states.State(state.window, state.displacement + 1e-7, state.means)
+    anew, unlike = (branch.corrector.balance(each, *given) for each in (state, moved))
+    ended = np.linalg.norm(form.residual(form.packed(state), np.empty(form.size)))
+    made = []
+    for each, expected in ((state, anew), (state, anew), (moved, unlike)):
+        before = grid.transforms
+        found = branch.corrector.balance(each, *given, ended)
+        np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-13)
+        made.append(grid.transforms > before)
+        form.residual(form.packed(state), np.empty(form.size))
+        # a product leaves another response there
+        if each is state and len(made) == 1:
+            form.apply_jacobian(form.packed(state), np.empty(form.size))
+    assert made == [False, True, True]
+
+
+@pytest.mark.parametrize("dimension, made", [(1, True), (2, False)])
+def test_a_point_takes_no_residual_more_than_its_solve(monkeypatch, dimension, made):
+    """On planes; transforms of lines take hardly longer than to look."""
+    scene = Scene(dimension=dimension, points=32, period=12.0, normal_maugis=1.0)
+    branch, own, spent = Branch(scene, Load(path="normal_displacement=1")), Balance.__call__, []
+
+    def counted(balance, *given):
+        before = branch.contact.grid.transforms
+        found = own(balance, *given)
+        spent.append(branch.contact.grid.transforms > before)
+        return found
+
+    monkeypatch.setattr(Balance, "__call__", counted)
+    list(branch)
+    # (the first one on a window is made of whole transforms, where states are even)
+    assert len(spent) > 3 and set(spent[2:]) == {made}
 
 
 def test_what_would_be_solved_tells_the_nodes(tmp_path, self_affine):
