@@ -6,6 +6,8 @@ from . import branching
 from .load_steps import MISSED
 from .natural import NaturalSteps, fold_kind
 from .points import NoEquilibrium, NoFold, NotConverged, NoWayBack
+from .predictors import PREDICTORS
+from .predictors.edge import SPOTS
 from .turning import BRACKET, TurnSearch, starts
 
 
@@ -21,6 +23,11 @@ class BracketingSteps(NaturalSteps):
     (`turning.TurnSearch`): a small jump, or a steep branch without one. Where no motion is found
     the fold is located. Parameters as of `LoadSteps`.
     """
+
+    def __init__(self, *given, **others):
+        super().__init__(*given, **others)
+        if self.predictor is PREDICTORS["edge"]:
+            self.predictor = SPOTS
 
     def _resumed(self):
         """What follows a fold from which the path goes on: the step behind it is taken up again."""

@@ -7,6 +7,7 @@ import pytest
 from test_continuation import (
     CUBIC_FOLD,
     UNIT_LEG,
+    Landing,
     System,
     assert_solutions,
     cubic,
@@ -18,6 +19,7 @@ from test_continuation import (
 )
 
 from contactsnes.continuation.bracketing import BracketingSteps
+from contactsnes.continuation.natural import NaturalSteps
 from contactsnes.continuation.points import Crossing, NotConverged, NoWayBack
 from contactsnes.continuation.predictors import PREDICTORS
 from contactsnes.continuation.steppers import stepper
@@ -134,6 +136,26 @@ def test_a_step_onto_an_unstable_part_is_refused(step):
             steps._tried(0.05, PREDICTORS["none"])
     else:
         assert steps._tried(0.05, PREDICTORS["none"])[0].position == 0.05
+
+
+@pytest.mark.parametrize("kind, name, foretold", [
+    (NaturalSteps, "edge", 0.6), (BracketingSteps, "edge", 0.9), (BracketingSteps, "tangent", 0.6),
+    (BracketingSteps, "secant", 0.9)])
+def test_brackets_take_the_secant_where_points_mislead(kind, name, foretold):
+    """The last of three states moved on farther than foretold: u = load gives the tangent 1; what
+    a user asks for stays that."""
+    class Spotted(Landing):
+        def follow_edge(self, points, weights):
+            return None
+
+    system = Spotted([0.0])
+    steps = kind(system, UNIT_LEG, system.points([0.0], [0.1], [0.5]), PREDICTORS[name], "jump")
+    assert steps._foreseen(0.3, steps.predictor)[2] == pytest.approx(foretold)
+    # and of a step that is tried again
+    system = Spotted([0.0])
+    steps = kind(system, UNIT_LEG, system.points([0.0], [0.2]), PREDICTORS[name], "jump")
+    again = 0.3 if name == "tangent" or kind is NaturalSteps else 0.4
+    assert steps._foreseen(0.2, steps._again())[2] == pytest.approx(again)
 
 
 @pytest.mark.parametrize("size", [1 / 40, 1 / 200])
