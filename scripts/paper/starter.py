@@ -24,9 +24,10 @@ import warnings
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-MODULES = ("h5py", "contactsnes.branch.branch", "contactsnes.commands.cli",
-           "contactsnes.output.archive")
-"""What most commands import, here or later."""
+MODULES = ("h5py", "contactsnes.branch.branch", "contactsnes.branch.unread",
+           "contactsnes.commands.cli", "contactsnes.output.archive", "contactsnes.output.shared",
+           "scipy.ndimage")
+"""What most commands import, here or later, and what takes long."""
 
 
 class Starter:
