@@ -1,7 +1,6 @@
 """Along a branch: its tangent at a point, and points by arc length, for a corrector."""
 
 from contextlib import contextmanager, nullcontext
-from dataclasses import replace
 
 import numpy as np
 from petsc4py import PETSc
@@ -104,8 +103,8 @@ class Tracer(Corrector, Neighbours, Ends):
             if imbalance is not None:
                 arc.set_position(arc.position(unknown))
                 point = self._point(form, state, imbalance, iterations)
-                return replace(point, leg=leg.number, position=float(arc.position(unknown)),
-                               softest=arc.ritz.smallest)
+                return point.changed(leg=leg.number, position=float(arc.position(unknown)),
+                                     softest=arc.ritz.smallest)
             guess, position = state, arc.position(unknown)
         raise NotConverged("the window kept growing: try -contact_window off")
 

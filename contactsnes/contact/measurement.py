@@ -227,8 +227,8 @@ class Measurement:
         if not window.is_whole and rate.imag == 0.0 and abs(rate) > 1e-6:
             window.put(np.einsum("ijn,jn->in", tangent, mode.displacement), inside)
             flat = inside.reshape(self.components, -1)
-            Convolution(grid.whole, contact.operator(self.components),
-                        self.components).apply(flat, flat)
+            Convolution(grid.whole, contact.operator(self.components), self.components,
+                        contact.transforms).apply(flat, flat)
             inside /= rate.real
             rim = window.rim()
             beyond = grid.sum((mode.displacement - window.take(inside))[:, rim]) / grid.count(rim)

@@ -128,6 +128,11 @@ class Contact:
         return asymmetry(self.grid.whole, self.initial_gap.reshape(1, -1))
 
     @cached_property
+    def mean_initial_gap(self):
+        """Mean of the initial gap over the cell, delta_n."""
+        return self.grid.sum(self.initial_gap.reshape(-1)) / self.grid.size
+
+    @cached_property
     def scattered(self):
         """Whether solves are on the nodes of a plane where the law may act, wherever these are,
         instead of on boxes: the gap is neither convex nor even, or processes share out the cell."""
@@ -199,11 +204,11 @@ class Contact:
         points = tuple(n // 2 for n in self.grid.shape)
         sharpest = float(np.sqrt(resolution / (2.0 * max(self.grid.spacings))))
         normal = min(scene.normal_maugis, sharpest)
-        softened = replace(scene, points=points if scene.dimension == 2 else points[0],
-                           normal_maugis=normal, tangential_maugis=min(scene.tangential_maugis,
-                                                                       sharpest),
-                           contact_threshold=scene.contact_threshold * normal / scene.normal_maugis,
-                           range_normal=None, range_tangential=None)
+        softened = scene.changed(
+            points=points if scene.dimension == 2 else points[0], normal_maugis=normal,
+            tangential_maugis=min(scene.tangential_maugis, sharpest),
+            contact_threshold=scene.contact_threshold * normal / scene.normal_maugis,
+            range_normal=None, range_tangential=None)
         return self._coarser(softened, softened.ranges[0] / self.ranges[0]
                              * self.grid.every_other(self.initial_gap))
 

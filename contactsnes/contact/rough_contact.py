@@ -32,8 +32,7 @@ def mean_gap(m):
     """Mean of the gap over the cell, u_n,r; nan around an isolated contact."""
     if m.contact.isolated:
         return math.nan
-    gap = m.grid.sum(m.contact.initial_gap.reshape(-1)) / m.grid.size
-    return float(gap / m.contact.ranges[0]) + m.mean(0)
+    return float(m.contact.mean_initial_gap / m.contact.ranges[0]) + m.mean(0)
 
 
 def rows(scene):

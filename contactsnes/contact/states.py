@@ -85,8 +85,8 @@ def _carried(contact, depth):
     """Sum over the flat's nodes of the traction that bends the body to u_n = max(-g_0, -depth),
     ranges of the law."""
     displacement = np.maximum(-contact.initial_gap, -depth).reshape(1, -1)
-    traction = Convolution(contact.grid.whole, contact.periodic.operator(1, "stiffness"),
-                           1).apply(displacement, displacement)
+    traction = Convolution(contact.grid.whole, contact.periodic.operator(1, "stiffness"), 1,
+                           contact.transforms).apply(displacement, displacement)
     return contact.grid.sum(traction[0, contact.initial_gap.reshape(-1) < depth])
 
 

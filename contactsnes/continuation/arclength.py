@@ -157,7 +157,7 @@ class ArcLengthSteps(FoldingSteps):
 
     def _marked(self, point):
         """A point with the steps to try next."""
-        return replace(point, leg=self.leg.number, step=self.leg.initial, arc=self.length)
+        return point.changed(leg=self.leg.number, step=self.leg.initial, arc=self.length)
 
     def _pass(self, fold, beyond):
         """Hand out a fold, and leave it by a jump or stay there where that is asked for."""

@@ -212,10 +212,15 @@ class Leg:
 def lagrange_weights(nodes, target):
     """Weights of values at ``nodes`` whose sum is the polynomial through them at ``target``; nan
     where two nodes are one."""
-    nodes = [float(node) for node in nodes]
-    return np.array([math.prod((target - other) / (node - other or math.nan)
-                               for place, other in enumerate(nodes) if place != k)
-                     for k, node in enumerate(nodes)])
+    # (floats of Python: NumPy's take twice as long, one by one)
+    nodes, target, weights = [float(node) for node in nodes], float(target), []
+    for k, node in enumerate(nodes):
+        weight = 1.0
+        for place, other in enumerate(nodes):
+            if place != k:
+                weight *= (target - other) / (node - other or math.nan)
+        weights.append(weight)
+    return np.array(weights)
 
 
 def unfinished_fold(history):

@@ -270,7 +270,8 @@ class OverdampedMotion:
         cell = np.zeros((len(self.controls), *contact.grid.local_shape))
         state.window.put(self.equations.unfolded(self.history[-1].elastic), cell)
         flat = cell.reshape(len(cell), -1)
-        Convolution(contact.grid.whole, contact.operator(len(cell)), len(cell)).apply(flat, flat)
+        Convolution(contact.grid.whole, contact.operator(len(cell)), len(cell),
+                    contact.transforms).apply(flat, flat)
         np.subtract(state.means[:, None], flat, out=flat)
         state.window.put(state.displacement, cell)
         return cell

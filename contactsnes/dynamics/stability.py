@@ -78,14 +78,14 @@ class Stability:
             # A point without a certificate is not stable by it, and no reason to lose the path.
             self.system.log(f"{error}: it is not certified, and counts as not stable")
             self._last = None
-            return replace(point, stable=0)
+            return point.changed(stable=0)
         unstable = modes.unstable
         if point.event == "fold":
             # The null mode is neither.
             unstable -= int(modes.real_parts()[np.argmin(np.abs(modes.real_parts()))] < -NEUTRAL)
         self._leave_symmetry(modes)
-        found = replace(point, stable=int(modes.leading.real > NEUTRAL and point.event != "fold"),
-                        unstable_modes=unstable)
+        found = point.changed(stable=int(modes.leading.real > NEUTRAL and point.event != "fold"),
+                              unstable_modes=unstable)
         return found if self.kind == SIGN else self._with_leading(found, modes, 0)
 
     def critical(self, point, number):

@@ -29,6 +29,9 @@ that a sentence on bad input leaves unread. Signals are, too: PETSc's handlers w
 
 SOLVER = re.compile(NESTS + r"*(snes|ksp|pc)_")
 
+SOURCE = re.compile(r" # \(source: [a-z ]+\)$")
+"""What newer PETSc appends to an option, where its value came from."""
+
 
 def known_options(classes=()):
     """Name (without dash) -> field of every option of the dataclasses that all commands know and of
@@ -131,9 +134,7 @@ def database():
     entries = {}
     for line in lines:
         if line.startswith("-"):
-            # newer PETSc appends where the value came from
-            text = re.sub(r" # \(source: [a-z ]+\)$", "", line[1:])
-            name, _, value = text.partition(" ")
+            name, _, value = SOURCE.sub("", line[1:]).partition(" ")
             entries[name.lower()] = value
     return entries
 
@@ -231,8 +232,8 @@ def check_names(classes=()):
 
 def _head(name, prefixes):
     """What stands before the first of some prefixes in a name; an empty text where none is."""
-    places = (match.start() for own in prefixes for match in re.finditer(f"(?<=_){own}", name))
-    return name[:min(places, default=0)]
+    places = [name.find(f"_{own}") + 1 for own in prefixes]
+    return name[:min(filter(None, places), default=0)]
 
 
 def check_values(classes):

@@ -8,7 +8,7 @@ is delta_n = u_n,r / normal_maugis and delta_t = u_t,r / tangential_maugis.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import ClassVar
 
 from ..interface import bodies, laws, shapes
@@ -98,6 +98,15 @@ class Scene(Units):
                                  "or -scene_dimension 2")
         isolation.check_scene(self)
         parts.check(self)
+
+    def changed(self, **values):
+        """The scene with other values of some options, known to be allowed:
+        `dataclasses.replace`, which looks at all of them anew, takes as long as a solve on a coarse
+        grid."""
+        made = object.__new__(type(self))
+        vars(made).update({field.name: getattr(self, field.name) for field in fields(self)},
+                          **values)
+        return made
 
     @property
     def components(self):

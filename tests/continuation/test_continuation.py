@@ -367,6 +367,11 @@ def test_weights_reproduce_polynomials():
                                        polynomial(target), rtol=1e-12)
 
 
+def test_nodes_that_are_one_have_no_weights():
+    same = 0.3
+    assert np.isnan(lagrange_weights([same, same, 1.0], 2.0)[:2]).all()
+
+
 @pytest.mark.parametrize("predictor", PREDICTORS)
 def test_legs_end_exactly_and_every_point_is_a_solution(predictor):
     system, values = System(explicit(np.sin, np.cos)), [0.1, 1.7, -0.3, 1 / 3]

@@ -1,6 +1,8 @@
 """The full approximation scheme: coarse contacts, transfers between grids, and the equilibria of
 Newton's method."""
 
+import dataclasses
+import math
 from pathlib import Path
 
 import numpy as np
@@ -117,6 +119,24 @@ def test_coarse_laws_are_soft_enough_for_their_grids():
     np.testing.assert_allclose(gap, contact.initial_gap[::2] / contact.ranges[0], atol=1e-12)
     assert twice.scene.contact_threshold / twice.ranges[0] == pytest.approx(
         contact.scene.contact_threshold / 6.0)
+
+
+@pytest.mark.parametrize("scene", [
+    Scene(points=512, period=30.0, normal_maugis=6.0),
+    Scene(dimension=2, points=(64, 96), period=(8.0, 12.0), geometry="rough", normal_maugis=3.0,
+          rough_hurst=0.7, rough_slope=0.5, rough_longest=4.0, rough_shortest=1.0),
+    Scene(law="xu_needleman", xu_needleman_q=0.8, points=512, poisson=0.3, height=math.inf),
+    Scene.typed(units="si", points=512, work_of_adhesion_normal=0.05, contact_modulus=1e6,
+                work_of_adhesion_tangential=0.05, radius=1e-4, range_normal=1e-7,
+                range_tangential=2e-7)],
+    ids=["line", "rough", "law", "SI"])
+def test_scenes_of_coarse_contacts_are_as_checks_would_have_them(scene):
+    """Their options are not looked at anew: that would find nothing, and change nothing."""
+    coarse = Contact(scene).coarse(0.5).scene
+    again = dataclasses.replace(coarse)
+    assert coarse == again and hash(coarse) == hash(again) and repr(coarse) == repr(again)
+    assert coarse.normal_maugis < scene.normal_maugis and coarse.stated() == again.stated()
+    assert vars(coarse).keys() == vars(again).keys()
 
 
 def test_coarse_transforms_count_in_units_of_the_fine_grid():
