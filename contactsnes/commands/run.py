@@ -18,9 +18,11 @@ from ..continuation.points import (
 )
 from ..interface.heights import let_go
 from ..options.database import database, database_text, petsc_sentence, unused_options
+from ..options.fields import InputError
 from ..output import resuming
 from ..output.files import ArchiveError
 from ..scene import settings as scenes
+from ..scene.parts import blamed
 from ..system.processes import PATIENCE, SHORT, world
 from . import summary
 from .cautions import cautions
@@ -212,6 +214,9 @@ class Run:
             return 2 if early and error.ierr in BAD_OPTIONS else 1, petsc_sentence(error)
         if isinstance(error, ImportError) and early:
             return 2, f"a Python class that an option names cannot be imported: {error}"
+        reason = "" if isinstance(error, InputError) else blamed(error)
+        if reason:  # in a file of one's own
+            return 2 if early else 1, reason
         raise error
 
     def _accept(self, point):

@@ -9,8 +9,10 @@ petsc4py.init([])
 
 from contactsnes import Body, Branch, InputError, Law, Load, Scene, Shape  # noqa: E402
 from contactsnes.commands import cli  # noqa: E402
-from contactsnes.interface import bodies, own_methods, shapes  # noqa: E402
+from contactsnes.commands.run import Run  # noqa: E402
+from contactsnes.interface import bodies, laws, own_methods, shapes  # noqa: E402
 from contactsnes.interface.bodies.layer import Layer  # noqa: E402
+from contactsnes.output.reading import read  # noqa: E402
 
 LINE = {"points": 128, "period": 20.0, "normal_maugis": 1.0}
 PRESSED = Load(path="normal_displacement=1")
@@ -115,6 +117,40 @@ def test_what_fails_in_a_file_is_told_with_its_line(tmp_path, monkeypatch, capsy
     assert cli.main(["run"]) == 2
     said = capsys.readouterr().err
     assert f"-scene_{option} is 'mine.py:{name}': {words}" in said and "Traceback" not in said
+
+
+LATE = """
+from contactsnes.interface.laws.modified import Modified
+
+class Late(Modified):
+    broken = False
+
+    def evaluate(self, *arguments):
+        if self.broken:
+            raise ValueError("too late")
+        return super().evaluate(*arguments)
+"""
+
+
+def test_a_law_that_fails_on_the_way_loses_no_points(tmp_path, monkeypatch, capsys, kept_options):
+    """What was there was not told, and that it was bad input."""
+    monkeypatch.setattr(laws.REGISTRY, "own", {})
+    (tmp_path / "mine.py").write_text(LATE, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    accept = Run._accept
+
+    def breaking(self, point):
+        accept(self, point)
+        laws.REGISTRY.own["mine.py:Late"].broken = self.progress.points == 3
+
+    monkeypatch.setattr(Run, "_accept", breaking)
+    assert cli.main(["run", "-scene_points", "256", "-scene_normal_maugis", "3", "-scene_law",
+                     "mine.py:Late", "-load_path", "normal_displacement=9", "-archive_file",
+                     "run.h5"]) == 1
+    said = capsys.readouterr().err
+    assert ("-scene_law is 'mine.py:Late': its evaluate fails (ValueError: too late; line 9 of the "
+            "file); mend it; 3 points are in ") in said and "Traceback" not in said
+    assert read("run.h5").points == 3
 
 
 def test_what_fails_elsewhere_is_not_blamed_on_files():
