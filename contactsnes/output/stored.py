@@ -47,7 +47,7 @@ class Fields:
         stored = file.get("fields", {})
         self._arrays = {name: stored[name] for name in ARRAYS if name in stored}
         self._active = active.datasets(file) if has_active(file) else {}
-        names = ["active"] * bool(self._active) + [*(ARRAYS[2:] if self._active else ARRAYS)]
+        names = ("active", "mode") if self._active else ARRAYS
         self._sums = file.get("checksums")
         columns = 0 if self._sums is None else self._sums.shape[1]
         self._column = dict(zip(names, range(1, columns)))

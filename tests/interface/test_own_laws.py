@@ -474,7 +474,11 @@ def test_what_is_wrong_with_an_object_is_told(cls, words):
     ("coupled_softening", lambda self, normal: 1.0, "coupled_softening takes .normal., but is"),
     ("coupled_softening", lambda self, normal, tangential: 0.0,
      "coupled_softening of 0 at Maugis parameters of 1, but its tractions give 0.8925"),
+    ("coupled_softening", lambda self, normal, tangential: self.no_such,
+     "coupled_softening.* cannot be evaluated"),
     ("potential", lambda self, gap: None, "potential takes .gap., but is called with"),
+    ("potential", lambda self, gap, work_ratio=1.0: self.no_such,
+     "potential.gap, work_ratio. that cannot be evaluated"),
 ))
 def test_what_an_object_declares_wrongly_is_told(what, value, words):
     with pytest.raises(InputError, match=words):
