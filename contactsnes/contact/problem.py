@@ -20,6 +20,7 @@ from ..interface.gap import gap_of_heights, is_convex, over_nodes
 from ..interface.own_shapes import gap_on
 from ..kernels.choice import chosen
 from ..scene.parts import with_parts
+from ..scene.scene import changed
 from .survey import surveyed, tractions
 
 DISPLACEMENT, FORCE = "displacement", "force"
@@ -204,8 +205,8 @@ class Contact:
         points = tuple(n // 2 for n in self.grid.shape)
         sharpest = float(np.sqrt(resolution / (2.0 * max(self.grid.spacings))))
         normal = min(scene.normal_maugis, sharpest)
-        softened = scene.changed(
-            points=points if scene.dimension == 2 else points[0], normal_maugis=normal,
+        softened = changed(
+            scene, points=points if scene.dimension == 2 else points[0], normal_maugis=normal,
             tangential_maugis=min(scene.tangential_maugis, sharpest),
             contact_threshold=scene.contact_threshold * normal / scene.normal_maugis,
             range_normal=None, range_tangential=None)

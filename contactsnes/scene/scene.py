@@ -99,15 +99,6 @@ class Scene(Units):
         isolation.check_scene(self)
         parts.check(self)
 
-    def changed(self, **values):
-        """The scene with other values of some options, known to be allowed:
-        `dataclasses.replace`, which looks at all of them anew, takes as long as a solve on a coarse
-        grid."""
-        made = object.__new__(type(self))
-        vars(made).update({field.name: getattr(self, field.name) for field in fields(self)},
-                          **values)
-        return made
-
     @property
     def components(self):
         """Components of a displacement, the normal one first; where tangential unknowns appear:
@@ -156,6 +147,14 @@ class Scene(Units):
     def coupled(self):
         """Whether the body couples normal and tangential displacements by more than rounding."""
         return bodies.of(self).coupled(self)
+
+
+def changed(scene, **values):
+    """A scene with other values of some options, known to be allowed: `dataclasses.replace`, which
+    looks at all of them anew, takes as long as a solve on a coarse grid."""
+    made = object.__new__(type(scene))
+    vars(made).update({field.name: getattr(scene, field.name) for field in fields(scene)}, **values)
+    return made
 
 
 extend(Scene, *(registry.options for registry in parts.REGISTRIES))
