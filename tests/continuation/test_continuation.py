@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.special import expit
 
 from contactsnes.continuation import departures
 from contactsnes.continuation.arclength import ArcLengthSteps
@@ -80,7 +81,7 @@ def explicit(value, slope):
 def bend(slope, width, at=0.5):
     """u = load, from load ``at`` on steeper by ``slope``, over about ``width``."""
     return explicit(lambda load: load + slope * width * np.logaddexp(0.0, (load - at) / width),
-                    lambda load: 1.0 + slope / (1.0 + np.exp(-(load - at) / width)))
+                    lambda load: 1.0 + slope * expit((load - at) / width))
 
 
 def curve(load, slope):

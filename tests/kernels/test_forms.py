@@ -137,9 +137,10 @@ def test_compiled_forms_are_numpys(name, count, part, kind, control):
     assert (form.evaluations, form.products) == (plain.evaluations, plain.products)
 
 
-SINGLE = 2e-6
+SINGLE = {"displacement": 2e-6, "force": 1e-5}
 """Relative error of a convolution in single precision: its rounding, 6e-8, times a few tens for
-transforms of hundreds of points (and their sums in the law's steep parts)."""
+transforms of hundreds of points (and their sums in the law's steep parts). Where a force is held,
+the sum of tractions that partly cancel magnifies it: up to 2.3e-6 over seven random vectors."""
 
 
 @pytest.mark.parametrize("compiled", [False, True])
@@ -168,7 +169,7 @@ def test_products_in_single_precision(name, count, part, kind, control, compiled
     for name, product in products.items():
         np.testing.assert_array_equal(again[name], exact[name])
         error = np.abs(product(vector, new(), single=True) - exact[name]).max()
-        assert 1e-10 < error / np.abs(exact[name]).max() < SINGLE, name
+        assert 1e-10 < error / np.abs(exact[name]).max() < SINGLE[control], name
     assert form.grid.transforms == before[0]
     assert form.grid.transforms_single - before[1] == pytest.approx(spent, rel=1e-12)
     # the memory is that of double precision, which is asked again
@@ -226,7 +227,7 @@ def test_products_of_arc_length_in_single_precision(name, count, part, kind, con
         exact, before = product(vector, np.empty(arc.size)), form.grid.transforms
         found = product(vector, np.empty(arc.size), True)
         error = np.abs(found - exact).max() / np.abs(exact).max()
-        assert 1e-10 < error < SINGLE and form.grid.transforms == before
+        assert 1e-10 < error < SINGLE[control] and form.grid.transforms == before
     assert form.grid.transforms_single > 0.0
 
 
