@@ -166,7 +166,7 @@ class Branch:
                 yield self._remarks.marked(point)
         except NotConverged as error:
             raise failures.explained(error, self.contact, any(self._sheared), self._modes,
-                                     self._remarks.last) from None
+                                     self._remarks.last, self._under_way) from None
 
     def _modes(self):
         """Modes of the last point under the controls of the leg under way; None without one, or a

@@ -9,6 +9,7 @@ import scipy
 
 from ..contact import states
 from ..contact.balance import TOLERANCE, left_by_rounding
+from ..contact.problem import DISPLACEMENT, FORCE
 from ..continuation.points import NotConverged
 from ..grid.spots import runs
 from ..options.database import database
@@ -192,7 +193,23 @@ def beyond_rounding(contact, last):
             f"{100.0 * left:.0e}")
 
 
-def explained(error, contact, sheared, modes, last=None):
+def released(last, leg):
+    """Whether a leg lets a force hold what at a point a displacement holds; both may be None."""
+    if last is None or leg is None:
+        return False
+    return (DISPLACEMENT, FORCE) in zip(last.controls, leg.controls)
+
+
+def _since(last, leg):
+    """Why a last point is unstable, in words, and what to do; as of ``released``."""
+    if released(last, leg):
+        return (" now that a force holds what a displacement held: begin the leg where that force "
+                "rises with its displacement, or the path under a force, as with -load_start "
+                "normal_force=0")
+    return ": a bifurcation was passed, which -continuation_stability sign finds"
+
+
+def explained(error, contact, sheared, modes, last=None, leg=None):
     """A NotConverged that says what the failure of a path is, and what to try.
 
     Parameters
@@ -203,6 +220,7 @@ def explained(error, contact, sheared, modes, last=None):
     modes : function () -> modes of the last point (`stability.Stability.modes`), None without a
         point or a tangent
     last : Point, the last one, if any
+    leg : Leg on which the path ended, if any
     """
     told = beyond_rounding(contact, last)
     if told:
@@ -219,8 +237,7 @@ def explained(error, contact, sheared, modes, last=None):
         return NotConverged(f"{error}; a failure of the solver: {way_out()}")
     told = f"leading eigenvalue {found.leading.real:.3g}"
     if found.unstable:
-        why = (f"unstable ({found.unstable} modes, {told}): a bifurcation was "
-               "passed, which -continuation_stability sign finds")
+        why = f"unstable ({found.unstable} modes, {told}){_since(last, leg)}"
     elif found.leading.real < softest:
         along = database().get("continuation_type") == "arclength"
         why = (f"stable, but hardly ({told}): a fold or a bifurcation is next to it; try smaller "

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..contact.problem import DISPLACEMENT, FORCE
 from ..dynamics.stability import SIGN, Stability
+from .failures import released
 
 DILUTED = 100.0
 """Largest imbalance of a node over the tolerance of their root mean square from which on a run says
@@ -79,10 +80,10 @@ class Remarks:
         Where nobody checks stability, and only there; of a leg that moves forces alone its first
         step tells at no cost.
         """
-        freed = any(pair == (DISPLACEMENT, FORCE) for pair in zip(last.controls, leg.controls))
         pulled = any(control == DISPLACEMENT and way != 0.0
                      for control, way in zip(leg.controls, leg.direction))
-        if self.certified or last.leg == leg.number or not (freed and pulled and self.has_tangent):
+        if self.certified or last.leg == leg.number or not (
+                released(last, leg) and pulled and self.has_tangent):
             return
         begun = replace(self.corrector.adapted(last, leg.controls, leg.start), event=None,
                         tangents=())

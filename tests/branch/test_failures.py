@@ -127,6 +127,16 @@ def test_reasons_are_told_apart(modes, words):
         raise told
 
 
+def test_legs_that_begin_unstable_under_their_force_say_so():
+    """Without contact attraction pulls harder the nearer the body: no force holds it there, and
+    none moves it sideways, so that no step ends."""
+    branch = Branch(Scene(**LINE), Load(start="normal_displacement=-5",
+                                        path="normal_force=5, tangential_force=3"))
+    with pytest.raises(NotConverged, match="unstable .* now that a force holds what a displacement "
+                                           "held.*-load_start normal_force=0"):
+        list(branch)
+
+
 def test_what_is_taken_already_is_not_advised(monkeypatch):
     soft = SimpleNamespace(unstable=0, leading=0.0001 + 0j)
     for given, advised in (({}, True), ({"continuation_type": "arclength"}, False)):
