@@ -207,9 +207,9 @@ class EvenWindow:
     def fold(self, values):
         """Values (..., nodes) of the full window at these nodes; what is odd is so for arrays
         (components, nodes) alone."""
-        return self._odd(values.take(self._folded, axis=-1))
+        return self.odd(values.take(self._folded, axis=-1))
 
-    def _odd(self, values):
+    def odd(self, values):
         """Values at these nodes, where odd components now vanish on the mirrors themselves: the
         equations there are empty, and what rounding leaves could not be solved away."""
         for field, signs in zip(self.box(values), self.parities or () if values.ndim > 1 else ()):

@@ -70,7 +70,7 @@ class SlabEven(EvenWindow):
 
     def fold(self, values):
         """As `EvenWindow.fold`."""
-        return self._odd(self._outwards(self.full.rows, self.full.box(values), self.full.extents))
+        return self.odd(self._outwards(self.full.rows, self.full.box(values), self.full.extents))
 
     def _numbers(self, axis):
         """As `EvenWindow._numbers`, of those here."""

@@ -22,7 +22,7 @@ def many(contact):
 def stirred(form, unknown, certified):
     """An unknown, where there may be several spots with a little added, in place, of which every
     mode has a part: a Krylov space sees what its residual has a part of, and that of equal spots
-    has none of a pattern, however unstable.
+    has none of a pattern, however unstable. On planes, of the normal component alone.
 
     Parameters
     ----------
@@ -31,29 +31,39 @@ def stirred(form, unknown, certified):
     certified : bool, whether certificates find all modes: on a line they need no more, and the
         digits of their bifurcations suffer
     """
-    alike = many(form.contact) or not (certified or form.contact.convex)
-    if form.in_displacements and form.components == 1 and alike:
+    plane = many(form.contact) and form.components == 1
+    line = len(form.grid.shape) == 1 and not (certified or form.contact.convex)
+    if form.in_displacements and (plane or line):
         noise = np.random.default_rng(communicator(form).rank).random(form.count)
         noise -= 0.5
         _keep_open(form, unknown, noise)
+        _keep_odd(form, noise)
         noise *= STIRRED / max(form.grid.norm(noise), 1e-300)
         unknown[:form.count] += noise
     return unknown
 
 
 def _keep_open(form, unknown, noise):
-    """Set noise to zero, in place, where surfaces overlap: modes lose their stability where the law
-    softens, and deep overlap is as stiff as the law is steep.
+    """Set noise of the normal component to zero, in place, where surfaces overlap: modes lose their
+    stability where the law softens, and deep overlap is as stiff as the law is steep.
 
     Parameters
     ----------
-    form : of one component
-    unknown, noise : arrays of the form's size, and of its nodes
+    form : of the equations
+    unknown, noise : arrays of the form's size, and of its nodes and components
     """
     root, gap = np.broadcast_to(form.root, form.nodes), getattr(form, "half", form).initial_gap
     for first in range(0, form.nodes, PART):
         part = slice(first, min(first + PART, form.nodes))
         noise[part][unknown[part] * root[part] + gap[part] <= 0.0] = 0.0
+
+
+def _keep_odd(form, noise):
+    """Set noise of odd components to zero, in place, where they vanish: the equations there are
+    empty, so that it could not be solved away."""
+    window = getattr(form, "half", form).window
+    if window.even:
+        window.odd(noise.reshape(form.shape))
 
 
 def ritz_values(ksp):

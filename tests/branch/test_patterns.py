@@ -70,6 +70,30 @@ def test_patterns_of_equal_spots_of_a_line_are_told_of(told, monkeypatch):
     assert plain[-1].forces[0] == pytest.approx(certified[-1].forces[0], rel=1e-6)
 
 
+@pytest.mark.parametrize("told", (True, False))
+def test_patterns_of_a_body_that_couples_components_are_told_of(told, monkeypatch):
+    """As above, where tangential displacements are odd about the apex as long as a state is even:
+    what vanishes there may not be stirred."""
+    if not told:
+        monkeypatch.setattr(ritz, "STIRRED", 0.0)
+    said, load = [], Load(start="normal_displacement=-1.5", path="normal_displacement=-2.1")
+
+    def branch(stability):
+        return list(Branch(Scene(geometry="flat", points=288, period=48.0, normal_maugis=1.0,
+                                 poisson=0.3, height="inf"), load,
+                           Steps(initial_step=0.2, largest_step=0.2, stability=stability),
+                           geometry=lambda x: 1.5 * (1 - np.cos(np.pi * x / 6)), log=said.append))
+
+    plain = branch("off")
+    assert any(words.startswith("2 modes of the branch change their sign between "
+                                "normal_displacement -1.7, tangential_displacement 0 and "
+                                "normal_displacement -1.9, ") for words in said) == told
+    certified = branch("sign")
+    assert [point.load[0] for point in certified if point.event == "bifurcation"] == pytest.approx(
+        [-1.76294], abs=1e-4)
+    assert plain[-1].forces[0] == pytest.approx(certified[-1].forces[0], rel=1e-6)
+
+
 def test_motion_leaves_the_state_to_a_pattern(pulled):
     """With inertia, from beside it by a wave as long as the cell: what is told is true."""
     _, branch, points, _ = pulled
