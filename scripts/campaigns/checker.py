@@ -334,7 +334,8 @@ class Checker:
         options = self.path.options
         loads = [name for kind in ("displacement", "force") for name in names(self.dimension, kind)]
         events = {self.path["event"][point] for point in range(max(self.count - 4, 0), self.count)
-                  if all(self.path[name][point] == self.path[name][-1] for name in loads)}
+                  if all(np.array_equal(*self.path[name][[point, -1]], equal_nan=True)
+                         for name in loads)}
         return (not events.isdisjoint(options.get("load_stop", "none").split(","))
                 or ("fold" in events and (options.get("continuation_at_fold") == "stop"
                                           or "pull_off" in options.get("load_stop", "")))

@@ -115,6 +115,18 @@ def test_nothing_is_wrong_with_a_sound_path(worker, tmp_path):
     assert done.status == 0 and checker.check(archive) == []
 
 
+def test_an_isolated_body_may_stop_at_a_fold_though_it_has_no_place(worker, tmp_path):
+    """Its displacement as a whole is nan."""
+    archive, options = tmp_path / "run.h5", {"scene_period": "inf", "scene_spacing": 0.2,
+                                             "scene_normal_maugis": 2, "scene_height": "inf",
+                                             "load_path": "normal_force=2.8; normal_force=3",
+                                             "continuation_at_fold": "stop"}
+    scene = scenes.Scene(0, 0, options, given=False)
+    done = worker.run(["run", *scene.words(tmp_path, archive_file=archive, archive_fields="all")],
+                      tmp_path / "run", 30)
+    assert done.status == 0 and checker.check(archive) == []
+
+
 @pytest.mark.parametrize("column, change, kind", [("normal_force", 1e-5, "normal_force"),
                                                   ("contact_area", 0.1, "contact_area"),
                                                   ("elastic_energy", 1e-3, "elastic_energy"),
