@@ -97,8 +97,8 @@ class FoldSearch:
     def _short_of(self, refused, trail):
         """Length of the first arc step: that of the last one, but not beyond the refused step."""
         (before, first), (here, last) = trail[-2:]
-        return self.system.chord_length(first.state, last.state) * min(1.0,
-                                                                       refused / abs(here - before))
+        way = max(abs(here - before), 1e-300)  # none, where the slip jumped under the same load
+        return self.system.chord_length(first.state, last.state) * min(1.0, refused / way)
 
     def _slopes(self, trail):
         """Places on the arc of three points, and d(position)/d(arc length) of their parabola."""

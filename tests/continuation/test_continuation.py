@@ -816,6 +816,15 @@ def test_a_search_for_a_fold_stays_on_its_branch(states, end, softest, sentence)
     assert sentence in str(found) if sentence else found is None
 
 
+@pytest.mark.parametrize("here, length", [(0.0, 0.2), (0.01, 0.2), (0.8, 0.1)])
+def test_a_search_for_a_fold_begins_with_the_last_step_but_short_of_the_refused_one(here, length):
+    """Also where the last two points are under the same load, as slip that jumps leaves them."""
+    system = Landing([0.0])
+    (_, first), (_, last) = system.points([0.0], [0.2])
+    found = FoldSearch(system, UNIT_LEG, [])._short_of(0.4, [(0.0, first), (here, last)])
+    assert found == pytest.approx(length * system.chord_length(first.state, last.state) / 0.2)
+
+
 @pytest.mark.parametrize("end, softest, tight, sentence",
                          [(-0.6, 0.1, False, ""), (-0.45, 0.1, False, "strayed"),
                           (-0.6, -0.1, False, "another mode"), (-0.6, -0.1, True, "")])
