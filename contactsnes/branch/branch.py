@@ -17,6 +17,7 @@ from ..dynamics.overdamped import MotionOptions
 from ..dynamics.stability import SIGN, Stability, refuse_without_tangent
 from ..grid import numbers
 from ..interface import shapes
+from ..options.arguments import unpicklable
 from ..options.database import check_names, check_values
 from ..options.fields import InputError
 from ..output import resuming
@@ -40,10 +41,10 @@ KEPT = ("leg", "position", "step", "arc", "load", "displacements", "forces", "in
         "sliding", "residual_norm", "largest_residual", "event", "fold_kind", "elastic_energy",
         "interfacial_energy", "smooth_steps", "jump_work", "viscous_work", *energies.WORKS,
         "stable", "unstable_modes", "leading_eigenvalue", "resolved", "fold_precision", "softest")
-"""What of a point, besides its state, controls and origin, an archive keeps for going on from
-it."""
+"""What of a point, besides state, controls and origin, an archive keeps for going on from it."""
 
 
+@unpicklable("pickle scene, load and points, and go on with Branch(..., history=points)")
 class Branch:
     """The branch of equilibria of a scene along a load path: iterate over it to get its converged
     points.
@@ -129,8 +130,8 @@ class Branch:
     @history.setter
     def history(self, points):
         """Take the points of an earlier run."""
-        self._history = resuming.on_path(points, self.scene.initial(self.load), self.legs,
-                                         self._controls, self.scene.loads)
+        self._history = resuming.on_path(restarting.earlier(points), self.scene.initial(self.load),
+                                         self.legs, self._controls, self.scene.loads)
 
     @property
     def method(self):

@@ -5,7 +5,9 @@ from dataclasses import fields
 import numpy as np
 
 from ..contact.state import State
+from ..continuation.points import Point
 from ..grid.windows import Window
+from ..options.arguments import of_class, several, whole
 from ..options.fields import InputError, as_text
 from ..output import resuming
 from ..output.reading import Record, read
@@ -25,12 +27,20 @@ def beginning(archive, point, path, stop):
     stop : str, as of ``-load_stop``
     """
     record = archive if isinstance(archive, Record) else read(archive)
+    point = whole("point", point, f"a whole number, 0 to {record.points - 1}, or -1 for the last")
     if not -record.points <= point < record.points:
         raise InputError(f"the point to begin at is {point}, but {record.path} has "
                          f"{record.points}: give 0 to {record.points - 1}, or -1 for the last")
     point %= record.points
     scene = scene_of(record)
     return record, point, scene, Load(start=load_at(record, point, scene), path=path, stop=stop)
+
+
+def earlier(points):
+    """Points of an earlier run, a list; InputError for what are none."""
+    meant = "points of a branch along this path, oldest first"
+    return [of_class("a point of history", point, Point, meant)
+            for point in several("history", points, meant)]
 
 
 def scene_of(record):

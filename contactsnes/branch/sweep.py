@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 from tqdm import tqdm
 
+from ..options.arguments import a_path
 from ..options.database import database
 from ..options.fields import InputError, as_text, meant
 from ..output import resuming
@@ -39,10 +40,14 @@ class Sweep(Mapping):
     """
 
     def __init__(self, parameters, folder):
-        self.parameters, self.folder, self.failures = parameters, folder, {}
+        self.parameters, self.failures = parameters, {}
+        self.folder = Path(a_path("folder", folder, "the path of one"))
         self._records = {}
 
     def __getitem__(self, values):
+        if values not in self._records:
+            raise KeyError(f"{self.folder} has no points of {values!r}: it has those of "
+                           f"{', '.join(map(repr, self._records))}")
         return self._records[values]
 
     def __iter__(self):
@@ -113,7 +118,7 @@ def sweep(scene, load, *, folder="sweep", jobs=1, steps=None, form=None, fields=
     joblib, given = _joblib(jobs), of_run(scene, load, steps, form)
     options = _words(load, *given) | _petsc() | {"archive_fields": fields}
     parameters = {name: _listed(name, values) for name, values in parameters.items()}
-    found, cases = Sweep(parameters, Path(folder)), _cases(parameters)
+    found, cases = Sweep(parameters, folder), _cases(parameters)
     tasks = [(values, _scene_words(scene, case) | options | _others(case),
               found.folder / f"{_stem(case)}.h5", jobs) for values, case in cases.items()]
     found.folder.mkdir(parents=True, exist_ok=True)

@@ -5,9 +5,13 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import Callable, NamedTuple
 
+from ..continuation.points import Point
+from ..options.arguments import of_class
+from ..scene.scene import Scene
 from . import contact_shape, rough_contact
 from .energies import BALANCES, energy_unit
 from .measurement import Measurement
+from .problem import Contact
 
 EVENTS = ("none", "fold", "jump", "gross_sliding", "pull_off", "bifurcation")
 STIFFNESS = "stiffness"
@@ -63,6 +67,7 @@ def compliance(contact):
 def table(scene):
     """Name -> Observable of everything that a point of a scene can tell, in the order of the
     archive and the scene's units."""
+    of_class("scene", scene, Scene)
     return MappingProxyType({name: _in_units(row, *scene.scale(row.unit))
                              for name, row in _scaled_table(scene).items()})
 
@@ -186,5 +191,8 @@ def observe(contact, point, names=None):
     point : Point
     names : iterable of str, optional
     """
+    of_class("contact", contact, Contact, "an object of contactsnes.Contact, for instance the "
+             "contact of a branch")
+    of_class("point", point, Point, "a point of a branch")
     measurement, rows = Measurement(contact, point), table(contact.scene)
     return {name: rows[name].function(measurement) for name in (rows if names is None else names)}

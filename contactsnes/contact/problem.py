@@ -19,8 +19,9 @@ from ..interface import bodies, laws, shapes
 from ..interface.gap import gap_of_heights, is_convex, over_nodes
 from ..interface.own_shapes import gap_on
 from ..kernels.choice import chosen
+from ..options.arguments import of_class, unpicklable
 from ..scene.parts import with_parts
-from ..scene.scene import changed
+from ..scene.scene import Scene, changed
 from .survey import surveyed, tractions
 
 DISPLACEMENT, FORCE = "displacement", "force"
@@ -35,6 +36,7 @@ ROOM = 3.0
 later."""
 
 
+@unpicklable("pickle its scene, and make another one of that, Contact(scene, ...)")
 class Contact:
     """A scene on its grid: law, initial gap and body, in ranges of the law. Immutable, since much
     is made of each part.
@@ -72,7 +74,7 @@ class Contact:
 
     def __init__(self, scene, heights=None, counter=None, *, gap=None, law=None, grid=None,
                  geometry=None, body=None, kernels=None):
-        scene = with_parts(scene, law, geometry, body)
+        scene = with_parts(of_class("scene", scene, Scene), law, geometry, body)
         self.scene = scene if heights is None else _of_heights(scene, np.asarray(heights))
         self.grid = Grid(scene.shape, scene.periods, counter) if grid is None else grid
         self.ranges = np.array(scene.ranges)

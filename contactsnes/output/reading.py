@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..options.arguments import a_path, whole
 from . import checksums, resuming, stored
 from .active import Rebuilt
 from .columns import instead
@@ -163,6 +164,7 @@ class Record(Mapping):
     def _number(self, point, *names):
         """The number from 0 of a point, which may be counted from the end; ArchiveError where it
         has no fields of these names."""
+        point = whole("point", point, "a whole number, from 0 or, if negative, from the end")
         number = point + self.points if point < 0 else point
         if number not in self.field_points:
             kept = self.field_points
@@ -248,7 +250,7 @@ def read(path):
     ArchiveError
         If there is no such file, or it is no archive, or damaged.
     """
-    before = _stamp(path)
+    before = _stamp(a_path("the archive", path, "the path of one"))
     record = safely(path, Record)
     for _ in range(TRIES):
         # a run that goes on has taken its journal into a new file since this one was opened: points

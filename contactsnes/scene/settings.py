@@ -7,9 +7,9 @@ help need no second list.
 """
 
 import dataclasses
-import reprlib
 
 from ..interface import bodies, shapes
+from ..options.arguments import of_class
 from ..options.fields import InputError, declare
 from . import isolation, parts
 from .load import Load
@@ -31,11 +31,9 @@ def of_run(scene, load, steps=None, form=None):
     form : Form, optional
     """
     given = (scene, load, Steps() if steps is None else steps, Form() if form is None else form)
+    example = "an object of contactsnes.Load, for instance Load(path='normal_force=1')"
     for made, cls in zip(given, (Scene, Load, Steps, Form)):
-        if not isinstance(made, cls):
-            raise InputError(f"{cls.__name__.lower()} is {reprlib.repr(made)}: give an object "
-                             f"of contactsnes.{cls.__name__}" + ", for instance Load(path="
-                             "'normal_force=1')" * (cls is Load))
+        of_class(cls.__name__.lower(), made, cls, example if cls is Load else "")
     return given[2:]
 
 

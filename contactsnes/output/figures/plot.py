@@ -28,6 +28,7 @@ from typing import NamedTuple
 
 import matplotlib
 
+from ...options.arguments import several
 from ...options.fields import InputError
 from ..asked import PlotOptions, listed
 from ..files import ArchiveError
@@ -75,16 +76,20 @@ def plot(path, output=None, pdf=False, points=None, **options):
     InputError
         If an option is not allowed, or does not fit the archives.
     """
-    several = isinstance(path, (list, tuple))
+    joint = isinstance(path, (list, tuple))
+    if not (paths := list(path) if joint else [path]):
+        raise InputError("there is no archive to plot: give the path of one, or a list of them")
+    if points is not None:
+        points = several("points", points, "a list of whole numbers, from 0 or from the end")
     asked = PlotOptions(**{"with_" if name == "measured" else name: value
                            for name, value in options.items()},
                         points=",".join(map(str, points or ())),
                         output="" if output is None else str(output))
     if pdf:
         asked = replace(asked, format=f"{asked.format},pdf")
-    if several and not asked.together:
+    if joint and not asked.together:
         asked = replace(asked, together="together")
-    return next(iter(list(draw(path if several else [path], asked))))
+    return next(iter(list(draw(paths, asked))))
 
 
 def draw(paths, asked):

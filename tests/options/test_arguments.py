@@ -1,0 +1,95 @@
+"""Arguments of the Python face that are of another kind: one sentence, in place of Python's own."""
+
+import copy
+import pickle
+
+import pytest
+
+import contactsnes
+from contactsnes import Branch, Contact, InputError, Load, Scene, observe, plot, read, table
+from contactsnes.output.archive import Archive
+
+SCENE = Scene(points=64, period=20.0, normal_maugis=1.0)
+LOAD = Load(path="normal_displacement=1")
+
+
+@pytest.fixture(scope="module")
+def branch():
+    return Branch(SCENE, LOAD)
+
+
+@pytest.fixture(scope="module")
+def archive(tmp_path_factory):
+    path = tmp_path_factory.mktemp("kept") / "run.h5"
+    columns = {"normal_force": ("w_n,r",)}
+    made = Archive.create(path, scene={}, options="", versions={}, columns=columns)
+    made.append({"normal_force": 0.5}, state={})
+    made.finish()
+    return path
+
+
+def told(call, words):
+    """That a call ends in a sentence that begins with these words."""
+    with pytest.raises(InputError) as error:
+        call()
+    assert str(error.value).startswith(words) and "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("value", (None, 3, ["run.h5"]))
+def test_what_is_no_path(value, tmp_path):
+    told(lambda: read(value), f"the archive is {value}: give the path of one")
+    told(lambda: Branch.restart(value, "normal_force=1"), f"the archive is {value}: give the path")
+    if not isinstance(value, list):
+        told(lambda: plot(value), f"the archive is {value}: give the path of one")
+    told(lambda: contactsnes.sweep(SCENE, LOAD, normal_maugis=[1], folder=value),
+         f"folder is {value}: give the path of one")
+
+
+def test_no_archive_to_plot():
+    told(lambda: plot([]), "there is no archive to plot: give the path of one, or a list of them")
+
+
+@pytest.mark.parametrize("value", ("last", 1.5, None, True, [0, 1]))
+def test_what_is_no_number_of_a_point(value, archive):
+    said = f"point is {value!r}: give a whole number, "
+    told(lambda: read(archive).field("traction", value), said)
+    told(lambda: Branch.restart(archive, "normal_force=1", point=value), said)
+
+
+@pytest.mark.parametrize("value", ("last", 1.5, 3))
+def test_what_are_no_points(value, archive):
+    told(lambda: plot(archive, points=value), f"points is {value!r}: give a list of whole numbers,")
+
+
+@pytest.mark.parametrize("value", (3, "run.h5"))
+def test_what_is_no_history(value):
+    told(lambda: Branch(SCENE, LOAD, history=value), f"history is {value!r}: give points of a ")
+
+
+def test_what_is_no_point_of_a_branch(branch):
+    told(lambda: Branch(SCENE, LOAD, history=[1]), "a point of history is 1: give points of a ")
+    told(lambda: branch.observe(3), "point is 3: give a point of a branch")
+    told(lambda: observe(branch.contact, None), "point is None: give a point of a branch")
+
+
+def test_one_thing_in_the_place_of_another(branch):
+    told(lambda: observe(branch, None), "contact is <Branch of ")
+    told(lambda: observe(SCENE, None), "contact is Scene(")
+    told(lambda: table(branch), "scene is <Branch of ")
+    told(lambda: Contact(LOAD), "scene is Load(")
+    told(lambda: Branch(SCENE, LOAD, log=3), "log is 3: give a function of a sentence, as print is")
+
+
+@pytest.mark.parametrize("through", (pickle.dumps, copy.copy, copy.deepcopy))
+def test_branches_and_contacts_are_no_data(through, branch):
+    for made in (branch, branch.contact):
+        with pytest.raises(TypeError, match=f"^a {type(made).__name__} is neither pickled nor "
+                                            "copied: pickle "):
+            through(made)
+
+
+def test_points_go_on_where_they_are_unpickled(branch):
+    points = list(branch)
+    scene, load, kept = pickle.loads(pickle.dumps((SCENE, LOAD, points[:5])))
+    last = list(Branch(scene, load, history=kept))[-1]
+    assert last.forces[0] == pytest.approx(points[-1].forces[0], rel=1e-9)
