@@ -127,7 +127,8 @@ class Remarks:
         forced = np.array([control == FORCE for control in point.controls[:count]])
         moved = point.displacements[:count] - last.displacements
         changed = point.forces[:count] - last.forces
-        if (moved[~forced] != 0.0).any() or changed[forced] @ moved[forced] >= 0.0:
+        # a half-plane as a whole has no displacement (nan), and does not go against anything
+        if (moved[~forced] != 0.0).any() or not changed[forced] @ moved[forced] < 0.0:
             return point
         if point.leg != last.leg:
             self._log(f"leg {point.leg} begins on an unstable part of the "

@@ -69,7 +69,7 @@ class Progress:
     def taken(self):
         """Names of the numbers that it takes of a point."""
         return {*self.columns, *self.counts, "dissipated_work", "energy_imbalance",
-                "external_work", "stable", "fold_kind"}
+                "external_work", "interface_work", "stable", "fold_kind"}
 
     def _units(self, scene, load):
         """Name -> (size, name of the unit with a prefix) of a column: in which the largest value
@@ -118,7 +118,8 @@ class Progress:
         self.counts = {name: count + row[name] for name, count in self.counts.items()}
         self.lost = row["dissipated_work"]
         self.missing = max(self.missing, abs(row["energy_imbalance"]))
-        self.work = max(self.work, abs(row["external_work"]))
+        known = "interface" if math.isnan(row["external_work"]) else "external"  # of a half-plane
+        self.work = max(self.work, abs(row[f"{known}_work"]))
         self.stable[row["stable"]] = self.stable.get(row["stable"], 0) + 1
         if row["event"]:
             self.events.append(f"{row['event']} at {loads}")

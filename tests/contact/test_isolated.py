@@ -15,6 +15,7 @@ from contactsnes.branch.branch import Branch
 from contactsnes.contact.isolated import OutOfBox, half_width, lay_out
 from contactsnes.continuation.points import NoEquilibrium
 from contactsnes.options.fields import InputError
+from contactsnes.output.report import certificates
 from contactsnes.scene.isolation import largest_force
 from contactsnes.scene.load import Load
 from contactsnes.scene.settings import Form, Scene, Steps
@@ -145,6 +146,35 @@ def test_displacement_of_a_half_plane_is_none_and_of_all_others_a_number():
             and np.isnan(numbers(LINE, still(1))["approach"]))
     assert np.isfinite(numbers(replace(LINE, height=50.0), still(1))["normal_displacement"])
     assert numbers(replace(SPHERE, spacing=0.25), still(1))["normal_displacement"] > 0
+
+
+@pytest.mark.parametrize("path, start", [("normal_force=1; normal_force=-0.2", "normal_force=0.5"),
+                                         ("tangential_force=1", "normal_force=1")])
+def test_what_has_no_displacement_does_not_go_against_its_force(path, start):
+    """Points of a half-plane counted as unstable where nobody asks, though certificates call them
+    stable."""
+    said, scene = [], Scene(period=math.inf, height=math.inf, normal_maugis=2.0, spacing=0.2,
+                            tangential_maugis=0.5)
+    points = {stability: list(Branch(scene, Load(start=start, path=path),
+                                     Steps(stability=stability), log=said.append))
+              for stability in ("off", "sign")}
+    assert {point.stable for point in points["off"]} == {-1}
+    assert {point.stable for point in points["sign"]} == {1}
+    assert not any("unstable" in sentence or "goes against" in sentence for sentence in said)
+
+
+def test_what_is_missing_in_the_energies_of_a_half_plane_is_told_of_the_work_on_the_interface(
+        tmp_path):
+    """That of its loads is not known: of "at most 0" energies some were missing always."""
+    run = ["run", "-scene_period", "inf", "-scene_height", "inf", "-scene_normal_maugis", "2",
+           "-scene_spacing", "0.2", "-load_start", "normal_force=0.5", "-archive_file",
+           str(tmp_path / "run.h5"), "-load_path", "normal_force=1"]
+    done = processes.call(*run, folder=tmp_path)
+    assert done.returncode == 0 and "is missing in the balance" not in done.stdout
+    record = contactsnes.read(tmp_path / "run.h5")
+    told = dict(row[:2] for row in certificates.rows(record))["missing in the balance of energies"]
+    largest = np.abs(record["interface_work"]).max()
+    assert float(told.split()[2]) == pytest.approx(largest, rel=1e-2) and largest > 0.0
 
 
 def test_offset_of_the_gap_is_one_of_the_approach():
