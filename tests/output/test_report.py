@@ -20,7 +20,7 @@ from contactsnes.output.figures import encoding, movie
 from contactsnes.output.files import ArchiveError
 from contactsnes.output.layout import Column
 from contactsnes.output.prefixes import read
-from contactsnes.output.report import certificates
+from contactsnes.output.report import certificates, words
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 EVENTS = ("none", "fold", "jump", "gross_sliding")
@@ -127,10 +127,10 @@ def test_a_page_needs_nothing_else_and_says_what_there_is(tmp_path, report):
     text = " ".join(" ".join(page.texts).split())
     assert path == tmp_path / "run.html" and not page.loaded
     assert {"curves", "fields"} <= set(page.ids)
-    for words in ("cylinder & <co> on a flat", "mind the <grid>", "fold (sliding)", "1e−09",
+    for said in ("cylinder & <co> on a flat", "mind the <grid>", "fold (sliding)", "1e−09",
                   "12 points", "largest residual_norm", "0 stable, 0 unstable, 12 not checked",
                   "tangential_displacement=2"):
-        assert words in text, words
+        assert said in text, said
     assert "-archive_fields" not in text
 
 
@@ -279,7 +279,8 @@ def test_a_film_needs_fields(tmp_path):
 class Kept(dict):
     """Columns of an archive with their units."""
 
-    units, points, complete = {"external_work": "J"}, 3, True
+    units, points, complete = {"external_work": "J", "normal_displacement": "m",
+                               "normal_force": "N"}, 3, True
 
 
 @pytest.mark.parametrize("energies, told, fine", [
@@ -293,3 +294,11 @@ def test_a_balance_that_tests_nothing_certifies_nothing(energies, told, fine):
                   resolved=np.ones(3), stable=-np.ones(3))
     (row,) = [row for row in certificates.rows(record) if row[0].startswith("missing")]
     assert row[1].startswith(told) and row[2] == fine
+
+
+@pytest.mark.parametrize("force, told", [(0.0, "no load"), (1e-14, "no load"),
+                                         (1.0, "normal force 1 N")])
+def test_a_place_without_a_load_is_named_so(force, told):
+    """The fold at which an isolated body jumps in was at nothing."""
+    record = Kept(normal_displacement=np.full(2, np.nan), normal_force=np.array([force, 2.0]))
+    assert re.sub("<[^>]*>", "", words.loads(record, 0)) == told

@@ -27,8 +27,9 @@ def _balance(record):
     told, tested = "missing in the balance of energies", np.isfinite(record["interfacial_energy"])
     if not tested.any():
         return [told, "not known: the law has no potential there", True]
-    done = np.where(np.isnan(record["external_work"]), record["interface_work"],
-                    record["external_work"])  # loads of a half-plane do a work that is not known
+    done = record["external_work"]
+    if np.isnan(done).all():  # loads of a half-plane do a work that is not known
+        done = record["interface_work"]
     missing, work = (float(np.nanmax(np.abs(values[tested]), initial=0.0))
                      for values in (record["energy_imbalance"], done))
     text = f"{number(missing, 2)} of {number(work, 3)} {symbol(record.units['external_work'])}"

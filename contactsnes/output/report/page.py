@@ -87,7 +87,7 @@ def _told(record):
     """How many points there are, where they end, what they cost."""
     single = np.sum(record["transforms_single"]) if "transforms_single" in record else 0
     more = f", {single:.0f} in single precision" if single else ""
-    return (f"{record.points} points, to {words.loads(record, -1) or 'no load'}; "
+    return (f"{record.points} points, to {words.loads(record, -1)}; "
             f"{np.sum(record['transforms']):.0f} transforms{more}, "
             f"{np.sum(record['wall_time']):.1f} s.")
 

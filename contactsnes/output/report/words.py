@@ -48,7 +48,8 @@ ROUNDING = 1e-12
 
 
 def loads(record, point, digits=5):
-    """Controlled and resulting loads of a point in words, without those that are rounding.
+    """Controlled and resulting loads of a point in words, without those that are rounding; 'no
+    load' where all are.
 
     Parameters
     ----------
@@ -66,7 +67,7 @@ def loads(record, point, digits=5):
         told += [f"{name.replace('_', ' ')} {number(float(record[name][point]), digits)} "
                  f"{symbol(record.units[name])}" for name in names
                  if abs(record[name][point]) > ROUNDING * largest]
-    return ", ".join(told)
+    return ", ".join(told) or "no load"
 
 
 def scene_rows(record):
