@@ -205,8 +205,7 @@ def test_an_event_that_ends_a_path_may_come_before_the_fold_that_longer_steps_re
 
 
 
-@pytest.mark.parametrize("name", ["acceptance of steps", "growth of the window", "evenness",
-                                  "residual", "precision of folds", "events"])
+@pytest.mark.parametrize("name", planted.FAULTS)
 def test_a_test_that_is_switched_off_is_seen(worker, tmp_path, name):
     fault = planted.FAULTS[name]
     verdict = judge.judged(planted.scene(name), worker, tmp_path, only=fault.variants, fault=name,
