@@ -119,8 +119,12 @@ class Registry:
 
     def of(self, scene):
         """What a scene names, with the scene's values of its options; the same object for the same
-        values."""
+        values. InputError for an object of another process, from where the scene was pickled."""
         made = self.named(getattr(scene, self.field))
+        if made is None:
+            raise InputError(f"the {self.kind} of the scene is '{getattr(scene, self.field)}', an "
+                             "object that was made in another process, which scenes do not take "
+                             f"with them: give it again, {self.field}=...")
         if not isinstance(made, type):
             return made
         try:

@@ -99,6 +99,12 @@ class Scene(Units):
         isolation.check_scene(self)
         parts.check(self)
 
+    def __setstate__(self, values):
+        """A scene that was pickled, perhaps in another process: files of one's own are read
+        there."""
+        parts.admit(type(self), values)
+        vars(self).update(values)
+
     @property
     def components(self):
         """Components of a displacement, the normal one first; where tangential unknowns appear:

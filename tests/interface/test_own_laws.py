@@ -3,6 +3,7 @@
 import dataclasses
 import hashlib
 import math
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -514,3 +515,25 @@ def test_info_tells_of_the_options_of_the_law_that_there_is(written):
     """Not of a residual friction that a law of one's own has not."""
     told = [about_law(Scene(law=name)) for name in (written(), "modified", "mcgarry")]
     assert told == [["drag strength 0.5"], ["residual friction 1, residual adhesion 0"], []]
+
+
+def test_a_scene_takes_the_name_of_its_file_to_another_process(tmp_path, monkeypatch):
+    """The file is read there, too: what had not read it ended in an error from inside."""
+    (tmp_path / "steep.py").write_text(
+        "from contactsnes.interface.laws.modified import Modified\n"
+        "class Steep(Modified):\n    pass\n")
+    kept = pickle.dumps(Scene(law=f"{tmp_path / 'steep.py'}:Steep", **SMALL))
+    for name in ("own", "objects"):  # another process has read nothing
+        monkeypatch.setattr(laws.REGISTRY, name, {})
+    assert type(Contact(pickle.loads(kept)).law).__name__ == "Steep"
+
+
+def test_a_scene_does_not_take_its_objects_to_another_process(monkeypatch):
+    load = Load(path="normal_force=1")
+    kept = pickle.dumps(Branch(Scene(**SMALL), load, law=Sticking(0.3)).scene)
+    monkeypatch.setattr(laws.REGISTRY, "objects", {})
+    scene = pickle.loads(kept)
+    with pytest.raises(InputError, match="^the law of the scene is 'Sticking.*, an object that was "
+                                         "made in another process.*: give it again, law=...$"):
+        Branch(scene, load)
+    assert isinstance(Contact(scene, law=Sticking(0.3)).law, Sticking)
