@@ -58,10 +58,11 @@ class Starter:
         if self._process is None:
             self._process = subprocess.Popen(
                 [sys.executable, __file__, *self._modules], env=self._environment, cwd=ROOT,
-                text=True, bufsize=1, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+                bufsize=0, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
         files = map(str, (folder, said, complaints or said))
-        self._process.stdin.write(json.dumps([arguments, *files]) + "\n")
+        self._process.stdin.write(json.dumps([arguments, *files]).encode() + b"\n")
         child = self._answer()
+        # (what comes together with the first answer waits in the pipe: nothing is read ahead)
         if not select.select([self._process.stdout], [], [], seconds)[0]:
             os.kill(child, signal.SIGKILL)
         return self._answer()

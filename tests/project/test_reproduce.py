@@ -82,6 +82,22 @@ def test_each_command_has_a_process_of_its_own_that_tells_its_end_and_its_time(t
     starter.end()
 
 
+def test_a_command_may_have_ended_before_its_begin_is_read(tmp_path, monkeypatch):
+    """Both answers come together then, as on a busy machine, where the second was waited for until
+    the time was up, or for ever."""
+    import starter
+
+    (tmp_path / "quick.py").write_text(
+        "import os, sys\nfor line in sys.stdin:\n    child = os.fork()\n"
+        "    if not child:\n        os._exit(0)\n    os.waitpid(child, 0)\n"
+        "    os.write(1, f'{child}\\n[0, {child}]\\n'.encode())\n")
+    monkeypatch.setattr(starter, "__file__", str(tmp_path / "quick.py"))
+    quick = starter.Starter()
+    for _ in range(2):
+        assert quick.run(["program"], tmp_path / "said", seconds=5.0)[0] == 0
+    quick.end()
+
+
 def test_processor_time_is_summed_from_what_runs_said(tmp_path):
     import runs
 
