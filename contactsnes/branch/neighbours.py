@@ -96,7 +96,9 @@ class Neighbours:
 
     def _alike(self, *found):
         """States with the components of the last of them."""
-        return [states.with_components(state, found[-1].components) for state in found]
+        count = len(found[-1].means)
+        return [state if len(state.means) == count else states.with_components(state, count)
+                for state in found]
 
     def progress(self, origin, ahead, state):
         """How far a state is from ``origin`` towards ``ahead``, as a part of that distance

@@ -76,9 +76,11 @@ def ways(contact, guess, last, found):
     guess : State, predicted from points of the branch
     last, found : State, equilibria
     """
-    asked, kept = (contact, guess, last), _TOLD.get(found)
-    if kept is not None and all(one() is other for one, other in zip(kept, asked)):
-        return kept[-1]
+    kept = _TOLD.get(found)
+    if kept is not None:
+        asked, made = kept
+        if asked[0]() is contact and asked[1]() is guess and asked[2]() is last:
+            return made
     grid, *fields = _known(contact, guess, last, found)
     told = (points.strays if contact.kernels.compiled else _by_numpy)(*fields, _limits(contact))
     beyond, farthest = grid.largest(told[:2]).tolist()
@@ -86,7 +88,7 @@ def ways(contact, guess, last, found):
     components = len(fields[0])
     made = Ways(math.sqrt(missed / max(components * near, 1.0)),
                 math.sqrt(moved / max(components * acting, 1.0)), beyond, farthest, counts)
-    _TOLD[found] = *map(weakref.ref, asked), made
+    _TOLD[found] = tuple(map(weakref.ref, (contact, guess, last))), made
     return made
 
 

@@ -113,7 +113,8 @@ def _moved_places(contact, states, known, weights):
     """
     window = states[-1].window
     # A wider window begins before the last one. (Few numbers: lists are faster than arrays.)
-    shifts = [nodes_between(window, state.window).tolist() for state in states]
+    shifts = [[0] * len(window.shape) if state.window is window
+              else nodes_between(window, state.window).tolist() for state in states]
     each = [[[place + shift for place in line] for line, shift in zip(one.tolist(), shifted)]
             for one, shifted in zip(known, shifts)]
     each.append([[sum(weight * place for weight, place in zip(weights, places))

@@ -103,8 +103,12 @@ def alike(contact, states, others=()):
     contact : Contact
     states, others : lists of State
     """
+    every = [*states, *others]
+    half = every[0].half
+    if half is not None and all([state.half is half for state in every]):
+        return half.grid, half, [state.once for state in every]
     largest = max(states, key=lambda state: state.window.total)
-    half, every = largest.half, [*states, *others]
+    half = largest.half
     if half is None or any(state.half is None or state.half.parities != half.parities
                            for state in every):
         return (contact.grid, largest.window,

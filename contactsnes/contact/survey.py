@@ -78,6 +78,10 @@ def _alternating(contact, state, traction):
     alternates from node to node: of any component, in any direction."""
     half, grid, found = state.half, contact.grid, 0.0
     halved = half is not None and min(half.extents) > REACH + 1
+    if halved and contact.kernels.compiled and len(half.shape) == 1:
+        return points.alternation_of_halves(
+            traction, [sign for sign, in half.parities or ((1,),) * len(traction)],
+            half.parts[0].closed[0], TRACTIONLESS)
     every, fields = (half, traction) if halved else (state.window, state.unfolded(traction))
     parts, alternation = every.parts, contact.kernels.alternation
     largest = grid.largest(np.maximum(np.maximum.reduce(fields, axis=1, initial=0.0),

@@ -1,6 +1,7 @@
 """Where interpolated values on a grid cross a level: places on a line, areas on a plane; and are
 largest."""
 
+import operator
 from functools import lru_cache
 
 import numpy as np
@@ -84,6 +85,11 @@ def at_level(values, level, fields):
     values, fields : arrays (*box) and (components, *box)
     level : float, unit of the values
     """
+    if values.ndim == 1:
+        above = values[1:-1] >= level
+        first = np.flatnonzero(above[1:] != above[:-1])
+        if len(first) <= FEW:
+            return _beside(first, values - level, fields)
     found = []
     for axis in range(values.ndim):
         lines, along = values.swapaxes(axis, -1), fields.swapaxes(axis + 1, -1)
@@ -93,6 +99,23 @@ def at_level(values, level, fields):
         weights = _at_places(_roots(*(lines[node] - level for node in nodes)))
         found.append(sum(weight * along[node] for weight, node in zip(weights, nodes)))
     return np.concatenate(found, axis=1)
+
+
+def _beside(first, values, fields):
+    """What `at_level` finds of a line behind a few nodes, the first of four around each place.
+
+    Parameters
+    ----------
+    first : array of int
+    values, fields : arrays (nodes,), less the level, and (components, nodes)
+    """
+    found = np.empty((len(fields), len(first)))
+    for place, i in enumerate(first):
+        # floats of Python, as in `crossings`
+        weights = _at_places(_place(*values[i:i + 4].tolist()))
+        found[:, place] = [sum(map(operator.mul, weights, line))
+                           for line in fields[:, i:i + 4].tolist()]
+    return found
 
 
 def _at_places(place):

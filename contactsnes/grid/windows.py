@@ -222,8 +222,8 @@ class Window:
         values, fields : arrays (nodes,) and (components, nodes) over the window
         level : float, unit of the values
         """
-        values, *fields = self.ringed(self.box(np.concatenate([values[None], fields])))
-        return at_level(values, level, np.array(fields))
+        known = self.ringed(self.box(np.concatenate([values[None], fields])))
+        return at_level(known[0], level, known[1:])
 
     def circle(self):
         """Shape of the circulant that holds a convolution of the window: padded, or the cell where

@@ -173,12 +173,13 @@ CALLS = {"forward": [_pointer, _long], "backward": [_pointer, _long],
          "crossings": [_long, _pointer, _double, _long, _pointer, _pointer],
          "reaches": [_long, _long, _pointer, _pointer, *[_double] * 4, _pointer, _pointer],
          "alternation": [_long, _long, _long, _pointer, ctypes.c_int, ctypes.c_int, _long],
+         "alternation_of_halves": [_long, _long, _pointer, _pointer, ctypes.c_int, _double],
          "path_work": [_long, _long, _long, *[_pointer] * 4, _double, _pointer],
          "releases": [_pointer, _long, _long, *[_pointer] * 6, _long, *[_pointer] * 3, _double,
                       _pointer]}
 """What Python calls, and with what; a result that is none of `RETURNED` is a status."""
 
-RETURNED = {**dict.fromkeys(("motion_squares", "add_rows", "alternation", "path_work"),
-                            _double),
+RETURNED = {**dict.fromkeys(("motion_squares", "add_rows", "alternation", "path_work",
+                             "alternation_of_halves"), _double),
             "crossings": _long}
 """What returns something else."""

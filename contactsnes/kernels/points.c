@@ -580,6 +580,21 @@ double alternation(long outer, long count, long wide, const double *values, int 
     return largest;
 }
 
+/* The largest `alternation` of fields (m, nodes) of a line from the middle of an even one outwards, each over
+   its largest size, or `least` where that is less, by which it is divided; even where its sign is 1, odd where
+   that is -1. */
+double alternation_of_halves(long m, long nodes, double *fields, const int *signs, int closed, double least)
+{
+    double found = 0.0;
+    for (long i = 0; i < m; i++) {
+        double *own = fields + i * nodes, largest = least;
+        for (long k = 0; k < nodes; k++) largest = greater(fabs(own[k]), largest);
+        for (long k = 0; k < nodes; k++) own[k] /= largest;
+        found = greater(alternation(1, nodes, 1, own, signs[i], closed, 0), found);
+    }
+    return found;
+}
+
 enum { POINTS = 4 }; /* of a path, at most */
 
 typedef struct { /* points of a path: displacements and forces (count, m), by how much gives way to a force of

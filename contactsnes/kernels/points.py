@@ -144,6 +144,22 @@ def alternation(boxes, axis, image=0, closed=False, beyond=0):
                                 address(boxes), image, closed, beyond)
 
 
+def alternation_of_halves(fields, signs, closed, least):
+    """The largest `alternation` of fields on half of a line, each over its largest size, or
+    ``least`` where that is less, by which they are divided in place.
+
+    Parameters
+    ----------
+    fields : array (components, nodes), more nodes than the difference reaches
+    signs : for each component 1 (even) or -1 (odd)
+    closed : bool, whether there are images at the end, too
+    least : float
+    """
+    signs = np.array(signs, dtype=np.intc)
+    return shared().alternation_of_halves(*fields.shape, address(fields), address(signs), closed,
+                                          least)
+
+
 def path_work(displacements, forces, give, weights, first, twins, rules):
     """Work along a path, as of `contact.work_along.path_work`.
 

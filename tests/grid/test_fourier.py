@@ -10,7 +10,7 @@ import scipy.fft
 
 from contactsnes.grid.boxes import Spots
 from contactsnes.grid.cell import Convolution, Grid, Transform, transform_cost
-from contactsnes.grid.contours import crossings
+from contactsnes.grid.contours import at_level, crossings
 from contactsnes.grid.even import halved
 from contactsnes.grid.operator import Operator
 from contactsnes.grid.transfer import smooth
@@ -459,6 +459,16 @@ def test_crossings_are_of_fourth_order():
     errors = [h * abs(crossings(np.sin(root + h * (np.arange(9) - 4.37)), 0.2)[0][0] - 4.37)
               for h in spacings]
     assert np.polyfit(np.log(spacings), np.log(errors), 1)[0] == pytest.approx(4.0, abs=0.2)
+
+
+@pytest.mark.parametrize("waves", [3, 30])  # found one by one, and all at once
+def test_fields_where_a_line_crosses_a_level(waves):
+    turn = np.linspace(0.0, 2.0 * np.pi * waves, 4001)
+    found = at_level(np.sin(turn), 0.2, np.array([np.cos(turn), np.sin(turn)]))
+    assert found.shape == (2, 2 * waves)
+    np.testing.assert_allclose(found[0], np.resize([1.0, -1.0], 2 * waves) * np.sqrt(0.96),
+                               atol=1e-6)
+    np.testing.assert_allclose(found[1], 0.2, atol=1e-13)
 
 
 def test_crossings_where_a_node_is_on_the_level():

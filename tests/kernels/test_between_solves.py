@@ -212,6 +212,23 @@ def test_alternation(shape, axis, image, closed):
 
 
 @compiled
+@pytest.mark.parametrize("closed", [False, True])
+@pytest.mark.parametrize("signs", [(1,), (1, -1), (-1, -1)])
+def test_alternation_of_halves(signs, closed):
+    """Of the whole line that halves are of, each component over its largest size, or the least."""
+    fields = np.random.default_rng(7).normal(size=(len(signs), 40)) * [[7.0], [1e-3]][:len(signs)]
+    signs = np.array(signs)[:, None]
+    fields[:, :1] *= signs > 0  # as odd fields are on their axes
+    fields[:, 39:] *= (signs > 0) | (not closed)
+    images = signs * fields[:, -2 if closed else -1:0:-1]
+    for least in (1e-9, 0.1):
+        sizes = np.maximum(np.max(np.abs(fields), axis=1, keepdims=True), least)
+        whole = np.concatenate([images, fields], axis=1) / sizes
+        assert points.alternation_of_halves(fields.copy(), signs, closed, least) == pytest.approx(
+            np.max(np.abs(differences(whole, 1, closed))), rel=1e-12)
+
+
+@compiled
 @pytest.mark.parametrize("name", EVEN)
 def test_imbalances(name):
     """Norm and largest residual of an unknown, of half fields and of whole ones."""

@@ -558,8 +558,10 @@ def test_every_prefix_of_the_changes_of_a_point_is_an_archive(tmp_path, monkeypa
     path, killed = tmp_path / "run.h5", tmp_path / "killed.h5"
     monkeypatch.setattr(writing, "BATCH", 64)
     archive = Archive.create(path, **fields_content(fields, state=0 if points else 4096))
+    append(archive, min(points, 63))
+    archive.settle()
     monkeypatch.setattr(writing, "BATCH", 1)
-    append(archive, points)
+    append(archive, points - archive.points)
     before = [path.read_bytes()]
     recorders = []
     counts = []
