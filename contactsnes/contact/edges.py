@@ -70,9 +70,9 @@ def _follow_spot(contact, states, weights):
         return None
     _, nodes, (last, *earlier) = alike(contact, [states[-1]], states[:-1])
     known, ahead = [*earlier, last], None
-    if contact.kernels.compiled and nodes.even and len(nodes.shape) == 1:
+    if contact.kernels.compiled and nodes.even and not contact.grid.shared:
         ahead = followed(states, known, [contact.gap_on(state.half) for state in states],
-                         contact.law.range, weights, [line for line, in places], target[0])
+                         contact.law.range, weights, places, target)
     if ahead is None:
         ahead = _followed(contact, states, nodes, known, weights, places, target)
     return spread(nodes, ahead, weighted([state.means for state in states], weights))

@@ -31,6 +31,8 @@ CLONES static void softening(long m, long n, const double *restrict tangent, con
                              const double *restrict size, double normal, double sharp, double *restrict out)
 {
     double opening[SOME], weakening[SOME], slipping[SOME];
+    for (long k = 0; k < n && m == 1; k++) out[k] = -tangent[k] * normal * normal;
+    if (m == 1) return;
     for (long k = 0; k < n; k++) opening[k] = weakening[k] = slipping[k] = 0.0;
     for (long i = 1; i < m; i++)
         for (long k = 0; k < n; k++) {
@@ -48,7 +50,7 @@ CLONES static void softening(long m, long n, const double *restrict tangent, con
         const double half = 0.5 * (first - last);
         const double root = half * half + opening[k] * weakening[k] * normal * normal * sharp * sharp;
         const double soft = sqrt(root < 0.0 ? 0.0 : root) - 0.5 * (first + last);
-        out[k] = m == 1 ? -first : root >= 0.0 && soft > 0.0 ? soft : 0.0;
+        out[k] = root >= 0.0 && soft > 0.0 ? soft : 0.0;
     }
 }
 
@@ -72,6 +74,7 @@ typedef struct { /* of at most SOME nodes: gaps and tractions (m, n), the tangen
 CLONES static void find_sizes(long m, long n, Nodes *restrict a)
 {
     for (long k = 0; k < n; k++) a->slip[k] = a->drag[k] = 0.0;
+    if (m == 1) return;
     for (long i = 1; i < m; i++)
         for (long k = 0; k < n; k++) {
             a->slip[k] += a->gap[i * n + k] * a->gap[i * n + k];
@@ -130,11 +133,13 @@ void survey(const Law *law, long m, long nodes, const double *displacement, cons
         find_sizes(m, n, &a);
         softening(m, n, a.tangent, a.gap, a.slip, limits[2], limits[3], a.each);
         steepest = largest_of(steepest, a.each, n);
-        shear = largest_of(shear, a.drag, n);
         for (long k = 0; k < n; k++) a.each[k] = -a.traction[k];
         pressure = largest_of(pressure, a.each, n);
-        for (long k = 0; k < n; k++) a.each[k] = a.gap[k] < limits[0] ? a.slip[k] : 0.0;
-        slipped = largest_of(slipped, a.each, n);
+        if (m > 1) {
+            shear = largest_of(shear, a.drag, n);
+            for (long k = 0; k < n; k++) a.each[k] = a.gap[k] < limits[0] ? a.slip[k] : 0.0;
+            slipped = largest_of(slipped, a.each, n);
+        }
         for (long k = 0; k < n; k++) lowest = a.gap[k] < lowest || a.gap[k] != a.gap[k] ? a.gap[k] : lowest;
         add_sums(m, n, &a, displacement + from, nodes, weight ? weight + from : 0, limits, sums);
     }

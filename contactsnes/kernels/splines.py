@@ -10,6 +10,8 @@ from .structures import address
 
 LINES = 8
 """Lines whose recursions run side by side, as in steps.c."""
+SIDE, MORE = 32, 24
+"""The same of planes, and nodes that are asked for beyond those of a half, as there."""
 
 
 def sources(start, stop, here, there, begin):
@@ -48,7 +50,7 @@ def spline(values, places, axis):
 
 
 def followed(states, known, gaps, reach, weights, places, target):
-    """Displacements (components, nodes) of a line's even states whose places are moved, as of
+    """Displacements (components, nodes) of even states of one box whose places are moved, as of
     `contact.edges._followed`; None where that asks for more nodes than a state's window has.
 
     Parameters
@@ -58,28 +60,38 @@ def followed(states, known, gaps, reach, weights, places, target):
     gaps : arrays, initial gaps at the nodes of each one's half, delta_n
     reach : normal gap within which the law acts
     weights : numbers, one a state
-    places, target : for each state places, in nodes from the first one of the last window on, and
-        where they are moved to
+    places, target : for each state places in each direction, in nodes from the first one of the
+        last window on, and where they are moved to
     """
-    fields, last = [state.once for state in states], states[-1]
-    (components, nodes), parities = known[-1].shape, last.half.parities
-    signs = np.array([sign for sign, in parities or ((1,),) * components], dtype=np.intc)
-    begin, total = last.window.start[0], last.window.grid.shape[0]
-    lines = [(len(field[0]), *state.window.extents, state.window.is_whole,
-              (state.window.start[0] - begin + total // 2) % total - total // 2)
-             for field, state in zip(fields, states)]
-    longest = max(extent for _, extent, *_ in lines)
-    lines = np.array(lines, dtype=np.intc)
+    fields, half = [state.once for state in states], states[-1].half
+    (components, nodes), begin, total = known[-1].shape, half.full.start, half.full.grid.shape
+    signs = np.array(half.parities or ((1,) * len(total),) * components, dtype=np.intc)
+    spread = np.array([(state.half.extents, state.window.extents, state.half.closed,
+                        [(here - there + n // 2) % n - n // 2
+                         for here, there, n in zip(state.window.start, begin, total)])
+                       for state in states], dtype=np.intc)
     weights, here, there = (np.array(numbers, dtype=float)
                             for numbers in (weights, places, target))
-    found = np.empty((components, nodes))
-    work = np.empty(4 * (longest + nodes) + 2 * components * nodes)
-    beyond = shared().followed(components, nodes, len(states),
-                               *(_each(arrays) for arrays in (known, fields, gaps)),
-                               address(lines), address(signs), *last.window.extents, reach,
-                               address(weights), len(there), address(here), address(there),
-                               address(work), address(found))
+    found, plane = np.empty((components, nodes)), len(total) > 1
+    work = np.empty(_work(half.extents, spread[:, 0]) if plane else
+                    4 * (spread[:, 1].max() + nodes) + 2 * components * nodes)
+    shape, extents = np.array(half.extents), np.array(half.full.extents, dtype=np.intc)
+    given = (len(states), *(_each(arrays) for arrays in (known, fields, gaps)), address(spread),
+             address(signs))
+    rest = (reach, address(weights), there.shape[-1], address(here), address(there), address(work),
+            address(found))
+    beyond = (shared().followed_plane(components, shape.ctypes.data, *given, address(extents),
+                                      *rest) if plane else
+              shared().followed(components, nodes, *given, *half.full.extents, *rest))
     return None if beyond else found
+
+
+def _work(shape, halves):
+    """Numbers of memory that `followed_plane` works in, for a last half of a shape, and halves of
+    states, array (states, 2)."""
+    (rows, columns), (across, along) = shape, np.transpose(halves) + MORE
+    return (np.sum(rows * (along + 1) + columns)
+            + SIDE * (max(across.max(), along.max()) + 2 * columns))
 
 
 def _each(arrays):

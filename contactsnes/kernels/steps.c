@@ -34,16 +34,17 @@ INLINE void to_coefficients(double *restrict c, long count, long wide)
             c[n * wide + i] = z * (c[(n + 1) * wide + i] - c[n * wide + i]);
 }
 
+enum { LINES = 8, SIDE = 32 }; /* whose recursions run side by side; the same of a plane */
+
 /* Coefficients of the splines through `count` rows of `wide` numbers, in place; mirrored at the ends.
    Few numbers are faster where the compiler knows how many. */
 CLONES static void coefficients(double *restrict c, long count, long wide)
 {
     if (wide == 1) to_coefficients(c, count, 1);
     else if (wide == 2) to_coefficients(c, count, 2);
+    else if (wide == SIDE) to_coefficients(c, count, SIDE);
     else to_coefficients(c, count, wide);
 }
-
-enum { LINES = 8 }; /* whose recursions run side by side */
 
 /* The same of LINES lines of `count` numbers, one after the other in memory. */
 CLONES static void filter_lines(double *restrict c, long count, double *restrict turned)
@@ -202,6 +203,195 @@ CLONES int followed(long components, long nodes, long lines, const double *const
         for (long k = 0; k < wanted; k++) x[k] = near[k * components + i];
         /* an extrapolation into deep overlap would meet the exponential */
         for (long k = 0; k < nodes && i == 0; k++) x[k] = (x[k] < lowest - 1.0 ? lowest - 1.0 : x[k]) - gap[k];
+    }
+    return 0;
+}
+
+typedef struct { /* a plane of `states` that is known from its middle outwards, by direction */
+    int half[2], extent[2], closed[2], begin[2]; /* nodes; begin: its first ones from those of the last */
+} Sheet;
+
+enum { MORE = 2 * SUPPORT }; /* nodes of a direction that splines take beyond those of a half, at most */
+
+/* By what a field that is even (1) or odd (-1) is multiplied so many nodes `away` from the middle: what is
+   odd vanishes there, and where the cell closes on itself. */
+static double sign_at(long away, int sign, int closed, long half)
+{
+    if (sign > 0 || away > 0) return 1.0;
+    return away == 0 || (closed && -away == half - 1) ? 0.0 : -1.0;
+}
+
+/* values (count, wide) = a field of a plane, and the gap unless null, at nodes from (row, column) on, counted
+   from the middle. */
+CLONES static void gather_sheet(const Sheet *s, const int *sign, const double *field, const double *gap, long row,
+                                long count, long column, long wide, double *values)
+{
+    const long c = s->half[1];
+    for (long j = 0; j < count; j++, values += wide) {
+        const long away = row + j, at = (away < 0 ? -away : away) * c;
+        const double factor = sign_at(away, sign[0], s->closed[0], s->half[0]);
+        const double *restrict from = field + at, *restrict initial = gap ? gap + at : 0;
+        long k = 0;
+        for (; k < wide && column + k <= 0; k++) {
+            const long node = -(column + k);
+            values[k] = factor * sign_at(-node, sign[1], s->closed[1], c) * from[node] + (gap ? initial[node] : 0.0);
+        }
+        if (gap)
+            for (; k < wide; k++) values[k] = factor * from[column + k] + initial[column + k];
+        else
+            for (; k < wide; k++) values[k] = factor * from[column + k];
+    }
+}
+
+typedef struct { /* of a plane whose places are moved: nodes that are wanted, nodes that they ask for, from so
+                    many before the middle on, and where they were from the first of these */
+    long wanted[2], count[2], low[2];
+    double *at[2];
+} Moved;
+
+/* What of a plane is asked for along both directions; not 0 where that is more than is known. */
+static int find_moved(const Sheet *s, const int *extent, long places, const double *here, const double *there,
+                      Moved *m)
+{
+    int beyond = 0, unusual = 0;
+    for (int axis = 0; axis < 2; axis++) {
+        double *at = m->at[axis];
+        const long wanted = m->wanted[axis];
+        sources(extent[axis] / 2, wanted, places, here + axis * places, there + axis * places, s->begin[axis], at);
+        long low = (long)at[0] - SUPPORT, high = (long)at[wanted - 1] + SUPPORT + 2;
+        beyond |= low < 0 || high > s->extent[axis];
+        low = low < 0 ? 0 : low;
+        high = high > s->extent[axis] ? s->extent[axis] : high;
+        m->count[axis] = high - low;
+        m->low[axis] = low - s->extent[axis] / 2;
+        unusual |= high - low < 2 || high - low > s->half[axis] + MORE || m->low[axis] <= -s->half[axis];
+        for (long k = 0; k < wanted; k++) at[k] -= (double)low;
+    }
+    return unusual || (beyond && !(s->closed[0] && s->closed[1]));
+}
+
+/* across (wanted rows, count) = a field, and the gap unless null, at the rows where those that are wanted were:
+   columns side by side, each lot of them for itself. */
+static void move_rows(const Sheet *s, const Moved *m, const int *sign, const double *field, const double *gap,
+                      double *lines, double *across)
+{
+    for (long k = 0; k < m->count[1]; k += SIDE) {
+        const long wide = m->count[1] - k < SIDE ? m->count[1] - k : SIDE;
+        double *lot = across + k * m->wanted[0];
+        gather_sheet(s, sign, field, gap, m->low[0], m->count[0], m->low[1] + k, wide, lines);
+        coefficients(lines, m->count[0], wide);
+        if (wide == SIDE) interpolate(1, m->count[0], SIDE, lines, m->wanted[0], m->at[0], lot);
+        else interpolate(1, m->count[0], wide, lines, m->wanted[0], m->at[0], lot);
+    }
+}
+
+/* found (wanted columns, SIDE) = what lies across, at the columns where those that are wanted were, of SIDE rows
+   from one on, or as many as there are. */
+CLONES static void move_columns(const Moved *m, const double *across, long row, double *lines, double *found)
+{
+    const long rows = m->wanted[0], count = m->count[1], side = rows - row < SIDE ? rows - row : SIDE;
+    for (long k = 0; k < count; k += SIDE) {
+        const long wide = count - k < SIDE ? count - k : SIDE;
+        const double *restrict lot = across + k * rows + row * wide;
+        for (long n = 0; n < wide; n++)
+            for (long l = 0; l < SIDE; l++) lines[(k + n) * SIDE + l] = l < side ? lot[l * wide + n] : 0.0;
+    }
+    coefficients(lines, count, SIDE);
+    interpolate(1, count, SIDE, lines, m->wanted[1], m->at[1], found);
+}
+
+/* The lowest gap of a plane, and the nodes of each direction within which the law acts. */
+CLONES static double find_near(const long *shape, const double *displacement, const double *gap, double range,
+                               long *wanted)
+{
+    double lowest = INFINITY;
+    wanted[0] = wanted[1] = 0;
+    for (long j = 0; j < shape[0]; j++) {
+        const double *restrict u = displacement + j * shape[1], *restrict a = gap + j * shape[1];
+        double least[LINES], here = INFINITY;
+        long k = 0;
+        for (long l = 0; l < LINES; l++) least[l] = INFINITY;
+        for (; k + LINES <= shape[1]; k += LINES)
+            for (long l = 0; l < LINES; l++) {
+                const double g = u[k + l] + a[k + l];
+                least[l] = g < least[l] ? g : least[l];
+            }
+        for (; k < shape[1]; k++) here = u[k] + a[k] < here ? u[k] + a[k] : here;
+        for (long l = 0; l < LINES; l++) here = least[l] < here ? least[l] : here;
+        lowest = here < lowest ? here : lowest;
+        if (!(here < range)) continue;
+        wanted[0] = j + 1;
+        for (k = shape[1]; k > wanted[1]; k--)
+            if (u[k - 1] + a[k - 1] < range) wanted[1] = k;
+    }
+    return lowest;
+}
+
+enum { SHEETS = 4 }; /* that are followed, at most */
+
+/* A row of what is followed: near places as they are, in lots of SIDE, others as they are known. */
+CLONES static void end_row(long planes, const double *const *known, const double *weights, long n, long at,
+                           long wanted, const double *restrict near, const double *restrict gap, double lowest,
+                           double *restrict x)
+{
+    for (long p = 0; p < planes; p++) {
+        const double *restrict u = known[p] + at;
+        for (long k = wanted; k < n; k++) x[k] = p ? x[k] + weights[p] * u[k] : weights[p] * u[k];
+    }
+    for (long k = 0; k < wanted; k++) x[k] = near[k * SIDE];
+    if (!gap) return;
+    for (long k = wanted; k < n; k++) x[k] += gap[k];
+    /* an extrapolation into deep overlap would meet the exponential */
+    for (long k = 0; k < n; k++) x[k] = (x[k] < lowest - 1.0 ? lowest - 1.0 : x[k]) - gap[k];
+}
+
+/* sum = found times a weight, or that and what was there. */
+CLONES static void add_found(long n, double weight, int adds, const double *restrict found, double *restrict sum)
+{
+    if (adds)
+        for (long k = 0; k < n; k++) sum[k] += weight * found[k];
+    else
+        for (long k = 0; k < n; k++) sum[k] = weight * found[k];
+}
+
+/* `followed` of planes: out (components, *shape); here (planes, 2, places), there (2, places). work, for each
+   plane: shape[0] + shape[1] + shape[0] (half[1] + MORE); besides: SIDE (the largest half + MORE + 2 shape[1]). */
+int followed_plane(long components, const long *shape, long planes, const double *const *known,
+                   const double *const *fields, const double *const *gaps, const Sheet *sheets, const int *signs,
+                   const int *extent, double range, const double *weights, long places, const double *here,
+                   const double *there, double *work, double *out)
+{
+    const double *gap = gaps[planes - 1];
+    double *across[SHEETS];
+    Moved moved[SHEETS];
+    long wanted[2];
+    if (planes > SHEETS) return 1;
+    const double lowest = find_near(shape, known[planes - 1], gap, range, wanted);
+    if (!wanted[0]) return 1;
+    for (int axis = 0; axis < 2; axis++) {
+        const long most = extent[axis] - extent[axis] / 2, more = wanted[axis] + 2;
+        wanted[axis] = more < most ? more : most;
+    }
+    for (long p = 0; p < planes; p++) {
+        moved[p] = (Moved){.wanted = {wanted[0], wanted[1]}, .at = {work, work + shape[0]}};
+        if (find_moved(&sheets[p], extent, places, here + 2 * p * places, there, &moved[p])) return 1;
+        across[p] = work + shape[0] + shape[1];
+        work = across[p] + wanted[0] * moved[p].count[1];
+    }
+    double *found = work, *sum = found + SIDE * wanted[1], *lines = sum + SIDE * wanted[1];
+    for (long i = 0; i < components; i++) {
+        for (long p = 0; p < planes; p++)
+            move_rows(&sheets[p], &moved[p], signs + 2 * i, fields[p] + i * sheets[p].half[0] * sheets[p].half[1],
+                      i ? 0 : gaps[p], lines, across[p]);
+        for (long j = 0; j < shape[0]; j++) {
+            const long at = (i * shape[0] + j) * shape[1], beside = j < wanted[0] ? wanted[1] : 0;
+            for (long p = 0; p < planes && beside && j % SIDE == 0; p++) {
+                move_columns(&moved[p], across[p], j, lines, found);
+                add_found(SIDE * wanted[1], weights[p], p > 0, found, sum);
+            }
+            end_row(planes, known, weights, shape[1], at, beside, sum + j % SIDE, i ? 0 : gap + j * shape[1], lowest,
+                    out + at);
+        }
     }
     return 0;
 }

@@ -364,7 +364,7 @@ def test_halves_of_lines_whose_places_were_moved(extent, monkeypatch):
         once[0] = np.where(np.arange(half.size) < last, 1.0, 2.0) - contact.gap_on(half)
         once[0] += 0.1 * np.sin(np.arange(half.size))
         found = splines.followed(given, at_nodes, [contact.gap_on(one.half) for one in given],
-                                 reach, weights, places, target)
+                                 reach, weights, [[line] for line in places], [target])
         if last == half.size and extent < 128:
             assert found is None
             continue
@@ -372,6 +372,61 @@ def test_halves_of_lines_whose_places_were_moved(extent, monkeypatch):
         expected = edges._followed(interpreted, given, half, at_nodes, weights,
                                    [[line] for line in places], [target])
         np.testing.assert_allclose(found, expected, atol=1e-11)
+
+
+@compiled
+@pytest.mark.parametrize("extent, far", [((113, 97), 30), ((113, 128), 30), ((128, 128), 65)])
+def test_quarters_of_planes_whose_places_were_moved(extent, far, monkeypatch):
+    """By the library as by NumPy and SciPy on the whole window: from the middle outwards, with odd
+    slip, up to where the cell closes; more than a window has is asked of neither."""
+    scene = replace(EVEN["sheared plane"][0], points=128)
+    contact, interpreted = Contact(scene), Contact(scene, kernels=chosen(False))
+    signs, numbers = ((1, 1), (1, -1), (-1, 1)), np.random.default_rng(12)
+
+    def quarter(extent):
+        window = contact.grid.box([(64 - n // 2) % 128 if n < 128 else 0 for n in extent], extent)
+        return EvenWindow(window, signs)
+
+    def random(half):
+        field = np.cumsum(np.cumsum(numbers.normal(size=(3, *half.shape)), axis=1), axis=2)
+        for values, odd in zip(field, signs):
+            for axis, sign in enumerate(odd):
+                along = np.moveaxis(values, axis, 0)
+                along[[0, -1][:1 + (half.closed[axis])]] *= sign > 0
+        return state.Mirrored.of(half, field.reshape(3, -1), np.zeros(3))
+
+    half = quarter(extent)
+    wide = quarter([min(n + 10, 128) for n in extent])
+    given, weights = [random(wide), random(half), random(half)], [0.4, -1.1, 1.7]
+    middle = np.array(extent)[:, None] // 2
+    across, along = np.meshgrid(*(np.arange(n) for n in half.shape), indexing="ij")
+    near = (across < far) & (along < far - 3)
+    once = given[-1].once[0]  # the law acts up to some nodes of each direction
+    once[:] = np.where(near, 0.9 + 0.1 * np.sin(across + 2 * along), 2.0).ravel()
+    once -= contact.gap_on(half)
+    known = [half.fold(state.onto(one, half.full)) for one in given]
+    for reach in (1.5, 100.0):
+        places = [middle + apart * np.array([[-1.0, 1.0], [-0.8, 0.8]])
+                  for apart in (20.3, 19.0, 18.1)]
+        target = middle + 17.0 * np.array([[-1.0, 1.0], [-0.8, 0.8]])
+        found = splines.followed(given, known, [contact.gap_on(one.half) for one in given], reach,
+                                 weights, places, target)
+        if reach > 2.0 and min(extent) < 128:
+            assert found is None
+            continue
+        monkeypatch.setattr(interpreted.law, "range", reach)
+        whole = [states.State(one.window, one.displacement, one.means) for one in given]
+        expected = edges._followed(interpreted, whole, half.full,
+                                   [state.onto(one, half.full) for one in whole], weights,
+                                   places, target)
+        size = np.abs(expected).max()
+        # (a spline begins so many nodes aside of what is asked for; where a cell closes, the half
+        # has what is known there)
+        inner = (across < extent[0] - extent[0] // 2) & (along < extent[1] - extent[1] // 2)
+        np.testing.assert_allclose(found[:, inner.ravel()],
+                                   half.fold(expected)[:, inner.ravel()], atol=1e-8 * size)
+        quarters = edges._followed(interpreted, given, half, known, weights, places, target)
+        np.testing.assert_allclose(found, quarters, atol=1e-11 * size)
 
 
 @pytest.mark.parametrize("extent", [81, 128])
