@@ -201,9 +201,12 @@ class DisplacementForm:
         ----------
         mean : float, the mean normal displacement, ranges of the law
         """
-        gap = self.convolution.transform.real[0]
-        np.subtract(self.contact.initial_gap, gap, out=gap)
-        gap.reshape(-1)[self.window.numbers] = np.inf
+        plan, nodes = self.convolution.transform, self.window.numbers
+        gap = rows = plan.real[0]
+        if self.kernel and plan.folded:  # whose rows stand in pairs
+            rows, nodes = plan.folded.rows(gap), plan.folded.places(nodes)
+        np.subtract(self.contact.initial_gap.reshape(rows.shape), rows, out=rows)
+        gap.reshape(-1)[nodes] = np.inf
         return float(self.grid.minimum(gap)) + mean
 
     def linearise(self, unknown):

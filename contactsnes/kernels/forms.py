@@ -73,7 +73,7 @@ class CompiledForm:
         own.forced[:len(half.forced)] = half.forced
         transform = half.convolution.transform
         self._response, kept = response(half.convolution, half.components,
-                                        getattr(transform, "folded", None) or transform)
+                                        transform.folded or transform)
         weights = getattr(half.grid, "weights", None)
         # of more nodes the law costs less than the memory would
         roomy = half.tangent.size <= KEPT

@@ -47,7 +47,7 @@ typedef struct { /* of `count` fields on a circle of shape[0] x shape[1] points 
     long odd[MOST][2];                 /* if even: of sines in place of cosines, by field and direction */
     Line line[2];
     void *forward, *backward;
-    long packed;          /* in the plane, single, or even: as `packed.c` has it, which alone knows these: */
+    long packed;          /* in the plane, rows in pairs: as `packed.c` has it, which alone knows these: */
     void *columns, *columns_back; /* plans; those of rows are `forward` and `backward` */
     void *block;
     double cost, *counter; /* of one transform; transforms so far, their limit, and those in single precision */
@@ -177,6 +177,7 @@ typedef struct {
 
 struct Libraries {
     void (*execute)(void *), (*execute_single)(void *), (*execute_rows)(void *, void *, void *);
+    void (*execute_rows_single)(void *, void *, void *);
     void (*to_half)(void *, void *, void *), (*to_half_single)(void *, void *, void *);
     void (*to_row)(void *, void *, void *), (*to_row_single)(void *, void *, void *);
     int (*alignment)(void *), (*alignment_single)(void *);

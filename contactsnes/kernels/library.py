@@ -114,10 +114,10 @@ def reason():
 
 
 EXECUTE = {"execute": "fftw_execute", "execute_single": "fftwf_execute",
-           "execute_rows": "fftwf_execute_dft", "to_half": "fftw_execute_dft_r2c",
-           "to_half_single": "fftwf_execute_dft_r2c", "to_row": "fftw_execute_dft_c2r",
-           "to_row_single": "fftwf_execute_dft_c2r", "alignment": "fftw_alignment_of",
-           "alignment_single": "fftwf_alignment_of"}
+           "execute_rows": "fftw_execute_dft", "execute_rows_single": "fftwf_execute_dft",
+           "to_half": "fftw_execute_dft_r2c", "to_half_single": "fftwf_execute_dft_r2c",
+           "to_row": "fftw_execute_dft_c2r", "to_row_single": "fftwf_execute_dft_c2r",
+           "alignment": "fftw_alignment_of", "alignment_single": "fftwf_alignment_of"}
 """What executes FFTW's plans, by its names here, and tells what memory they may take."""
 
 _pointer, _long, _double = ctypes.c_void_p, ctypes.c_long, ctypes.c_double

@@ -1,5 +1,5 @@
-/* Fields over a plane whose rows stand in pairs, the numbers of two side by side, in the precision REAL: the
-   BODY of `both.h` for `packed.c`. */
+/* Fields over a plane whose rows stand in pairs, the numbers of two side by side, and their products, in the
+   precision REAL: the BODY of `both.h` for `packed.c`. */
 
 static REAL *OF(field_of)(const Transform *t, long field)
 {
@@ -39,4 +39,122 @@ CLONES static void OF(packed_take_row)(const Transform *t, long field, long row,
     const REAL *restrict r = OF(row_of)(t, field, row);
     for (long k = 0; k < n; k++)
         out[k] = (r[2 * k] - mean) * factor * (scale ? scale[k] : 1.0) + own[k];
+}
+
+/* waves of some columns of a field's rows, a column after the other, zero beyond the rows used: a line of the
+   cache of each column at a time, as columns may all have their places in one set of the cache */
+CLONES static void OF(gather)(const Transform *t, long field, long first, long columns, long used)
+{
+    const long r = t->shape[0], c = t->shape[1];
+    REAL *restrict to = (REAL *)t->block + field * COLUMNS * 2 * r;
+    const long pairs = (used + 1) / 2;
+    for (long begin = 0; begin < pairs; begin += LINE)
+        for (long k = 0; k < columns; k++) {
+            const long here = 2 * (first + k), there = here ? 2 * c - here : 0;
+            const long end = begin + LINE < pairs ? begin + LINE : pairs;
+            const REAL *restrict z = OF(field_of)(t, field) + begin * 2 * c;
+            REAL *restrict o = to + 2 * (k * r + 2 * begin);
+            for (long p = begin; p < end; p++, z += 2 * c, o += 4) {
+                const REAL a = z[here], b = z[here + 1], d = z[there], e = z[there + 1];
+                o[0] = (REAL)0.5 * (a + d);
+                o[1] = (REAL)0.5 * (b - e);
+                o[2] = (REAL)0.5 * (b + e);
+                o[3] = (REAL)0.5 * (d - a);
+            }
+        }
+    const long filled = used + used % 2;
+    for (long k = 0; k < columns; k++)
+        memset(to + 2 * (k * r + filled), 0, 2 * (r - filled) * sizeof *to);
+    memset(to + 2 * columns * r, 0, 2 * (COLUMNS - columns) * r * sizeof *to);
+}
+
+CLONES static void OF(scatter)(const Transform *t, const REAL *found, long field, long first, long columns, long used)
+{
+    const long r = t->shape[0], c = t->shape[1];
+    const REAL *restrict from = found + field * COLUMNS * 2 * r;
+    for (long p = 0; p < (used + 1) / 2; p++) {
+        REAL *restrict z = OF(field_of)(t, field) + p * 2 * c;
+        for (long k = 0; k < columns; k++) {
+            const long here = 2 * (first + k), there = 2 * c - here;
+            const REAL *restrict o = from + 2 * (k * r + 2 * p);
+            if (here == 0 || here == c) { /* rows are real: so are these waves of theirs */
+                z[here] = o[0];
+                z[here + 1] = o[2];
+                continue;
+            }
+            z[here] = o[0] - o[3];
+            z[here + 1] = o[1] + o[2];
+            z[there] = o[0] + o[3];
+            z[there + 1] = o[2] - o[1];
+        }
+    }
+}
+
+/* the blocks, or their transpose, times the waves of some columns, which go where the columns came from */
+static void OF(couple)(const Response *r, long first, long columns, int transposed)
+{
+    const Transform *t = r->transform;
+    const long rows = t->shape[0], n = columns * rows, m = r->boxes, wide = 2 * COLUMNS * rows;
+    REAL *x = t->block, *waves = t->spectrum;
+    memset(x, 0, t->count * wide * sizeof *x);
+    for (long i = 0; i < r->components; i++)
+        for (long j = 0; j < r->components; j++) {
+            const long numbers = r->is_complex[i][j] ? 2 : 1;
+            const REAL *s = r->symbol[i][j];
+            if (!s) continue;
+            for (long a = 0; a < m; a++)
+                for (long b = 0; b < m; b++) {
+                    const REAL *own = s + ((a * m + b) * t->waves + first * rows) * numbers;
+                    const long to = transposed ? j * m + b : i * m + a;
+                    const long from = transposed ? i * m + a : j * m + b;
+                    OF(add_times)(x + to * wide, own, waves + from * wide, n, r->is_complex[i][j],
+                                  transposed ? -1 : 1);
+                }
+        }
+}
+
+/* Some columns of all fields, transformed, times symbols, and back. Out of place: in place FFTW would copy
+   them besides. */
+static void OF(columns_of)(const Transform *t, const Response *response, const REAL *symbol, long first,
+                           long columns, long used, int transposed)
+{
+    const long r = t->shape[0];
+    REAL *waves = t->spectrum, *found = t->block;
+    for (long i = 0; i < t->count; i++) OF(gather)(t, i, first, columns, used);
+    EXECUTE_ROWS(t->columns, t->block, waves);
+    if (response && response->product) {
+        OF(couple)(response, first, columns, transposed);
+        waves = t->block;
+        found = t->spectrum;
+    } else
+        for (long i = 0; i < t->count; i++) {
+            const REAL *s = response ? response->symbol[i][i] : symbol + i * t->waves;
+            OF(times)(waves + i * 2 * COLUMNS * r, s + first * r, columns * r);
+        }
+    EXECUTE_ROWS(t->columns_back, waves, found);
+    for (long i = 0; i < t->count; i++) OF(scatter)(t, found, i, first, columns, used);
+}
+
+/* The rows of all fields that are used, transformed, or back, by way of a row of other memory. */
+static void OF(along)(const Transform *t, void *plan, long used)
+{
+    const long c = t->shape[1];
+    for (long i = 0; i < t->count; i++)
+        for (long p = 0; p < (used + 1) / 2; p++) {
+            REAL *z = OF(field_of)(t, i) + p * 2 * c;
+            EXECUTE_ROWS(plan, z, t->spectrum);
+            memcpy(z, t->spectrum, 2 * c * sizeof *z);
+        }
+}
+
+static void OF(packed_multiply)(const Transform *t, const Response *response, const void *symbol, long used,
+                                int transposed)
+{
+    const long waves = t->shape[1] / 2 + 1;
+    OF(along)(t, t->forward, used);
+    for (long first = 0; first < waves; first += COLUMNS) {
+        const long columns = waves - first < COLUMNS ? waves - first : COLUMNS;
+        OF(columns_of)(t, response, symbol, first, columns, used, transposed);
+    }
+    OF(along)(t, t->backward, used);
 }

@@ -21,7 +21,7 @@ class OfLibrary:
     """What the library does with this process's rows of a transform's fields, which its
     ``structure`` tells of."""
 
-    fitting = Compiled.fitting
+    fitting, folded = Compiled.fitting, None
 
     @property
     def spectral(self):

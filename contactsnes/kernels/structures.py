@@ -193,7 +193,8 @@ class Libraries(ctypes.Structure):
     """Functions of others that the library calls."""
 
     _fields_ = [(name, c_void_p) for name in
-                ("execute", "execute_single", "execute_rows", "to_half", "to_half_single", "to_row",
+                ("execute", "execute_single", "execute_rows",
+                 "execute_rows_single", "to_half", "to_half_single", "to_row",
                  "to_row_single", "alignment", "alignment_single", "get_read", "put_read", "get",
                  "put", "mat_context", "pc_context", "assembly_begin", "assembly_end", "get_ksp",
                  "iterations", "eigenvalues", "print", "tolerances", "right_side", "norm")]

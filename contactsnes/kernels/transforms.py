@@ -30,7 +30,10 @@ class Compiled(Filtering):
     ----------
     structure : ctypes structure of the library, whose memory this object keeps
     room : memory that ``real`` begins
+    folded : what makes products on the same memory faster, or None
     """
+
+    folded = None
 
     def __init__(self, grid, shape, count):
         self.library, self.shape, self.count = shared(), tuple(shape), count
@@ -107,38 +110,52 @@ class Real(Compiled):
             return Packed(self._grid, self.shape, self.count, real)
         return Real(self._grid, self.shape, self.count, (real, first_half(self.spectrum)))
 
+    @cached_property
+    def folded(self):
+        """`Packed` on the same memory where it can be, whose products are faster; else None."""
+        if len(self.shape) == 2 and not any(points % 2 for points in self.shape):
+            return Packed(self._grid, self.shape, self.count, self.real)
+        return None
+
 
 class Packed(Compiled):
-    """Products with symbols in single precision of ``count`` arrays over a plane, by the library
-    (packed.c): two rows are one of complex numbers, and there is no whole spectrum.
+    """Products with symbols of ``count`` arrays over a plane, by the library (packed.c): two rows
+    are one of complex numbers, and there is no whole spectrum.
 
     Parameters
     ----------
     grid : Grid, whose counter counts
     shape : (int, int), points in each direction, even
     count : int, number of arrays
-    real : array (count, *shape) in single precision to work on
+    real : array (count, *shape) to work on, whose precision decides on that
     """
 
     def __init__(self, grid, shape, count, real):
         super().__init__(grid, shape, count)
         self.gain, self.real, own = math.prod(shape), real, self.structure
         self.waves = shape[0], shape[1] // 2 + 1
-        self.block = pyfftw.zeros_aligned((count, COLUMNS, shape[0]), dtype=np.complex64)
+        single = real.itemsize < 8
+        kind = np.complex64 if single else complex
+        self.block = pyfftw.zeros_aligned((count, COLUMNS, shape[0]), dtype=kind)
         # what a block, or a row, is transformed to
-        self.found = pyfftw.zeros_aligned(max(self.block.size, shape[1]), dtype=np.complex64)
-        own.single = own.packed = 1
+        self.found = pyfftw.zeros_aligned(max(self.block.size, shape[1]), dtype=kind)
+        own.single, own.packed = single, 1
         own.real, own.block, own.spectrum = map(address, (real, self.block, self.found))
         own.waves = math.prod(self.waves)
-        self._rows = Rows(shape[1], 1, own.real, own.spectrum)
-        self._columns = Rows(shape[0], count * COLUMNS, own.block, own.spectrum)
+        self._rows = Rows(shape[1], 1, own.real, own.spectrum, single)
+        self._columns = Rows(shape[0], count * COLUMNS, own.block, own.spectrum, single)
         own.forward, own.backward = self._rows.forward, self._rows.backward
         own.columns, own.columns_back = self._columns.forward, self._columns.backward
 
     def fitting(self, block):
         """A symbol as the library takes it: column after column."""
         waves = block.reshape(-1, *self.waves)
-        return np.ascontiguousarray(np.swapaxes(waves, -1, -2), dtype=SINGLE[block.dtype])
+        kind = SINGLE[block.dtype] if self.structure.single else block.dtype
+        return np.ascontiguousarray(np.swapaxes(waves, -1, -2), dtype=kind)
+
+    def rows(self, field):
+        """A field (rows, columns) of this memory as (pairs, 2, columns), its rows in order."""
+        return field.reshape(self.shape[0] // 2, self.shape[1], 2).swapaxes(1, 2)
 
     def places(self, numbers):
         """Where the library has the nodes of some numbers on the circle."""

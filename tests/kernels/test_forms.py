@@ -356,6 +356,37 @@ def test_products_of_pairs_of_rows_are_scipys(shape, signs, single):
                                        atol=(1e-5 if single else 1e-13) * whole.gain)
 
 
+@pytest.mark.parametrize("shape", [(2, 2), (24, 8), (6, 50), (64, 48)])
+@pytest.mark.parametrize("single", [False, True])
+def test_products_of_whole_rows_in_pairs_are_numpys(shape, single):
+    """Of two fields each, on the first rows and columns, whatever stands beyond these, where nodes
+    have their places."""
+    contact = Contact(Scene(**PLANE), kernels=chosen(True))
+    plan = contact.kernels.real(contact.grid, shape, 2)
+    pairs, random = plan.single if single else plan.folded, np.random.default_rng(6)
+    waves = np.fft.rfft2(np.zeros(shape)).shape
+    # of symbols that are even and so real in the rows
+    symbols = np.array([np.fft.rfft2(np.exp(-np.add.outer(*(np.minimum(np.arange(n), n - np.arange(
+        n)) * size for n in shape)))).real for size in (0.3, 0.7)])
+    assert symbols.shape[1:] == waves
+    fitted = np.array([pairs.fitting(symbol) for symbol in symbols])
+    places = pairs.places(np.arange(math.prod(shape)))
+    for used in ((1, 1), (shape[0] - 1, shape[1]), (shape[0] // 2, shape[1] // 2), shape):
+        box, fields = tuple(map(slice, used)), random.normal(size=(2, *shape))
+        memory = pairs.real.reshape(2, -1)
+        memory[:, places] = fields.reshape(2, -1)
+        for found, field in zip(pairs.real, fields):
+            np.testing.assert_allclose(pairs.rows(found).reshape(shape), field, rtol=1e-6)
+        library.shared().filter(ctypes.byref(pairs.structure), (ctypes.c_long * 2)(*used),
+                                ctypes.c_void_p(fitted.ctypes.data))
+        for found, field, symbol in zip(memory, fields, symbols):
+            known = np.zeros(shape)
+            known[box] = field[box]
+            expected = np.fft.irfft2(np.fft.rfft2(known) * symbol, s=shape) * pairs.gain
+            np.testing.assert_allclose(found[places].reshape(shape)[box], expected[box],
+                                       atol=(1e-5 if single else 1e-13) * pairs.gain)
+
+
 @pytest.mark.parametrize("floor", [0.0, 0.1])
 @pytest.mark.parametrize("rank", [5, 3])
 def test_pseudo_inverse_is_that_of_singular_values(floor, rank):
