@@ -18,7 +18,11 @@ def main():
     gc.disable()
     from .commands.cli import main as command
 
-    sys.exit(command())
+    status = command()
+    # Where an interrupt has left a text that Python executed, as those are of which it makes
+    # dataclasses, `python -m` ends by SIGINT itself, not by the status; another text undoes that.
+    exec("")
+    sys.exit(status)
 
 
 if __name__ == "__main__":

@@ -191,6 +191,18 @@ def test_signals_at_any_moment_end_a_run_with_their_numbers(tmp_path):
             read(tmp_path / f"{wait}.h5")
 
 
+def test_an_interrupt_in_a_text_that_is_executed_ends_with_its_number(tmp_path):
+    """As Python executes texts to make dataclasses, of modules that are imported on the way."""
+    (tmp_path / "program.py").write_text(
+        "from contactsnes import __main__\nfrom contactsnes.commands import cli\n\n"
+        "def interrupted():\n    try:\n        exec('raise KeyboardInterrupt')\n"
+        "    except KeyboardInterrupt:\n        return 130\n\n"
+        "cli.main = interrupted\n__main__.main()\n")
+    done = subprocess.run([sys.executable, "-m", "program"], env=ENVIRONMENT, cwd=tmp_path,
+                          capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (130, "")
+
+
 # Files of options, names and folders
 
 
