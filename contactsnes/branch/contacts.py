@@ -1,8 +1,6 @@
 """The contact that a branch is of: in a cell or alone, computed by the kernels that its options
 ask for."""
 
-import reprlib
-
 from petsc4py import PETSc
 
 from ..contact.isolated import IsolatedContact, lay_out
@@ -10,7 +8,7 @@ from ..contact.problem import Contact
 from ..interface import shapes
 from ..interface.gap import refuse_contact_at_edge
 from ..kernels.choice import chosen
-from ..options.fields import InputError
+from ..options.arguments import unfit
 from ..scene.isolation import check_form, largest_force
 from ..system.processes import end_together
 
@@ -43,7 +41,7 @@ def contact_of(scene, load, form, log):
         is no function
     """
     if not callable(log):
-        raise InputError(f"log is {reprlib.repr(log)}: give a function of a sentence, as print is")
+        raise unfit("log", log, "a function of a sentence, as print is")
     kernels = chosen(form.kernels == "auto", form.cache or None)
     if scene.isolated:
         check_form(form)

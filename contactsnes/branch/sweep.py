@@ -4,17 +4,16 @@ archive, so that a study that was interrupted goes on where it was."""
 import itertools
 import os
 import re
-import reprlib
 import subprocess
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import fields as fields_of
 from pathlib import Path
 
 import numpy as np
 from tqdm import tqdm
 
-from ..options.arguments import a_path
+from ..options.arguments import a_path, several, unfit
 from ..options.database import database
 from ..options.fields import InputError, as_text, meant
 from ..output import resuming
@@ -140,11 +139,10 @@ def _joblib(jobs):
 
 def _listed(name, values):
     """The values of a parameter, a list; InputError for what is none, or an empty one."""
-    several = isinstance(values, Iterable) and not isinstance(values, (str, bytes))
-    if not several or not (found := list(values)):
-        raise InputError(f"{name} is {reprlib.repr(values)}: give a list of its values, as in "
-                         "normal_maugis=[1, 2]")
-    return found
+    example = "a list of its values, as in normal_maugis=[1, 2]"
+    if found := several(name, values, example):
+        return found
+    raise unfit(name, values, example)
 
 
 def _cases(parameters):

@@ -7,6 +7,18 @@ import reprlib
 from .fields import InputError
 
 
+def unfit(name, value, meant):
+    """The InputError of an argument whose value is not what is to be given.
+
+    Parameters
+    ----------
+    name : str, of the argument
+    value : object
+    meant : str, what is to be given
+    """
+    return InputError(f"{name} is {reprlib.repr(value)}: give {meant}")
+
+
 def of_class(name, value, cls, meant=""):
     """A value that is an object of a class; InputError for one that is not.
 
@@ -14,12 +26,11 @@ def of_class(name, value, cls, meant=""):
     ----------
     name : str, of the argument
     value : object
-    cls : type, which the package exports
-    meant : str, what is to be given, if not just an object of it
+    cls : type, or a tuple of them
+    meant : str, what is to be given, if not just an object of the one, which the package exports
     """
     if not isinstance(value, cls):
-        raise InputError(f"{name} is {reprlib.repr(value)}: give "
-                         + (meant or f"an object of contactsnes.{cls.__name__}"))
+        raise unfit(name, value, meant or f"an object of contactsnes.{cls.__name__}")
     return value
 
 
@@ -32,12 +43,7 @@ def whole(name, value, meant):
     value : object
     meant : str, what is to be given
     """
-    try:
-        if isinstance(value, bool):
-            raise TypeError
-        return operator.index(value)
-    except TypeError:
-        raise InputError(f"{name} is {reprlib.repr(value)}: give {meant}") from None
+    return _converted(name, value, meant, operator.index, bool)
 
 
 def several(name, values, meant):
@@ -49,12 +55,25 @@ def several(name, values, meant):
     values : object
     meant : str, what is to be given
     """
+    return _converted(name, values, meant, list, (str, bytes))
+
+
+def _converted(name, value, meant, convert, others):
+    """What a function makes of a value; InputError where it takes none such, or for objects of some
+    other classes.
+
+    Parameters
+    ----------
+    name, value, meant : as of ``unfit``
+    convert : function (value), which raises TypeError for what it does not take
+    others : type, or a tuple of them
+    """
     try:
-        if isinstance(values, (str, bytes)):
-            raise TypeError
-        return list(values)
+        if not isinstance(value, others):
+            return convert(value)
     except TypeError:
-        raise InputError(f"{name} is {reprlib.repr(values)}: give {meant}") from None
+        pass
+    raise unfit(name, value, meant)
 
 
 def a_path(name, value, meant):
@@ -66,9 +85,7 @@ def a_path(name, value, meant):
     value : object
     meant : str, what is to be given
     """
-    if not isinstance(value, (str, os.PathLike)):
-        raise InputError(f"{name} is {reprlib.repr(value)}: give {meant}")
-    return value
+    return of_class(name, value, (str, os.PathLike), meant)
 
 
 def unpicklable(instead):

@@ -15,6 +15,7 @@ from ..interface import (
     own_shapes,
     shapes,
 )
+from ..options.arguments import of_class, unfit
 from ..options.fields import InputError, as_text, extend
 
 REGISTRIES = (laws.REGISTRY, shapes.REGISTRY, bodies.REGISTRY)
@@ -40,15 +41,14 @@ def with_parts(scene, law=None, geometry=None, body=None):
     """
     if geometry is not None and not isinstance(geometry, shapes.Shape):
         if isinstance(geometry, type) or not callable(geometry):
-            raise InputError(f"the geometry is {reprlib.repr(geometry)}: give a function of the "
-                             "coordinates, or an object of a subclass of contactsnes.Shape")
+            raise unfit("the geometry", geometry, "a function of the coordinates, or an object of "
+                        "a subclass of contactsnes.Shape")
         geometry = own_shapes.plain(geometry)
     for registry, made in zip(REGISTRIES, (law, geometry, body)):
         if made is None:
             continue
-        if not isinstance(made, registry.base):
-            raise InputError(f"the {registry.kind} is {reprlib.repr(made)}: give an object of a "
-                             f"subclass of contactsnes.{registry.base.__name__}")
+        of_class(f"the {registry.kind}", made, registry.base,
+                 f"an object of a subclass of contactsnes.{registry.base.__name__}")
         if type(made) is registry.found.get(made.name):
             values = {registry.field: made.name,
                       **{name: getattr(made, name) for name in made.declared()}}
