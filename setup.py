@@ -7,7 +7,7 @@ from pathlib import Path
 from setuptools import Extension, find_packages, setup
 
 KERNELS = Path(__file__).parent / "contactsnes" / "kernels"
-SOURCES = ("kernels.h", "both.h", "precision.h", "columns.h", "pairs.h", "folded.h",
+SOURCES = ("kernels.h", "both.h", "precision.h", "columns.h", "pairs.h", "folded.h", "patches.h",
            "transforms.c", "packed.c", "folded.c", "slabs.c", "forms.c", "motion.c", "core_zone.c",
            "patches.c", "steps.c", "krylov.c", "modes.c", "points.c", "petsc.c", "laws.c",
            "library.c")

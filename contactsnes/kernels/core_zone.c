@@ -479,6 +479,30 @@ static int apply_block(const Zone *z, Block *b, const double *field, double *out
     return 0;
 }
 
+/* The block of one box times a field in single precision, row by row in doubles that stay in the cache. */
+static int apply_block_in_single(const Zone *z, Block *b, const float *field, float *out)
+{
+    const long c = z->form->response->shape[1], *e = b->extent, left = b->first[1];
+    Transform *t = circle_of(z, b);
+    double row[c];
+    int status;
+    if (b->apart) return apply_patched_in_single(z, b, t, field, out);
+    for (long j = 0; j < e[0]; j++) {
+        const float *x = field + (b->first[0] + j) * c + left;
+        for (long k = 0; k < e[1]; k++) row[k] = x[k];
+        put_row(t, 0, j, 0, b->into + j * e[1], row, e[1]);
+    }
+    if ((status = filter(t, e, b->circle->symbol))) return status;
+    memcpy(out, field, nodes_of_box(z->form) * sizeof *out);
+    for (long j = 0; j < e[0]; j++) {
+        float *y = out + (b->first[0] + j) * c + left;
+        for (long k = 0; k < e[1]; k++) row[k] = y[k];
+        blend_row(t, 0, j, b->into + j * e[1], b->back + j * e[1], row, row, e[1]);
+        for (long k = 0; k < e[1]; k++) y[k] = row[k];
+    }
+    return 0;
+}
+
 /* sums of D field over each box */
 CLONES static void by_box(const Zone *z, long i, const double *field, double *sums)
 {
@@ -680,6 +704,59 @@ CLONES static int apply_zone(Zone *z, const double *vector, double *out)
         for (long k = 0; k < q; k++) mean += z->inverse[row * q + k] * right[k];
         for (long k = 0; k < n; k++) x[k] += mean * column[k];
         scalar[i] = mean * f->root;
+    }
+    for (long k = 0; k < f->forced_count; k++) out[m * n + k] = scalar[f->forced[k]];
+    return 0;
+}
+
+enum { SOME = 1024 }; /* nodes whose fields stay in the cache */
+
+/* What `answer` sums up of some nodes of a field in single precision. */
+CLONES static double answer_in_single(const Form *f, long i, long j, long at, long n, const float *restrict field)
+{
+    const double *restrict d = f->tangent + (i * f->components + j) * f->nodes + at;
+    const double *restrict w = f->scale ? f->scale : f->weight;
+    double sum = 0.0;
+    if (w)
+        for (long k = 0; k < n; k++) sum += w[at + k] * d[k] * field[k];
+    else
+        for (long k = 0; k < n; k++) sum += d[k] * field[k];
+    return sum;
+}
+
+CLONES static void add_column(double mean, const double *restrict column, float *restrict x, long n)
+{
+    for (long k = 0; k < n; k++) x[k] += mean * column[k];
+}
+
+/* The preconditioner of a form without arc length times a vector in single precision, of one box all of whose
+   nodes the form has. */
+int precondition_in_single(Zone *z, const float *vector, float *out)
+{
+    const Form *f = z->form;
+    const long n = f->nodes, m = f->components, q = z->mean_count;
+    double right[MOST] = {0}, scalar[MOST] = {0};
+    int status;
+    z->applications++;
+    for (long i = 0; i < m; i++)
+        if (!z->block[i].on) memcpy(out + i * n, vector + i * n, n * sizeof *out);
+        else if ((status = apply_block_in_single(z, &z->block[i], vector + i * n, out + i * n))) return status;
+    for (long at = 0; at < n && q; at += SOME)
+        for (long row = 0; row < q; row++)
+            for (long j = 0; j < m; j++)
+                right[row] -= answer_in_single(f, z->means[row], j, at, n - at < SOME ? n - at : SOME,
+                                               out + j * n + at);
+    for (long row = 0; row < q; row++) {
+        const long i = z->means[row];
+        if (!is_forced(f, i)) right[row] *= f->rigid[i] / f->size;
+        for (long k = 0; k < f->forced_count; k++)
+            if (f->forced[k] == i) right[row] += vector[m * n + k] / (f->row_scale[i] * f->root);
+    }
+    for (long row = 0; row < q; row++) {
+        double mean = 0.0;
+        for (long k = 0; k < q; k++) mean += z->inverse[row * q + k] * right[k];
+        add_column(mean, z->columns + row * n, out + z->means[row] * n, n);
+        scalar[z->means[row]] = mean * f->root;
     }
     for (long k = 0; k < f->forced_count; k++) out[m * n + k] = scalar[f->forced[k]];
     return 0;

@@ -102,39 +102,64 @@ CLONES static void gap_of(const Form *f, const double *unknown, long at, long n,
 }
 
 /* What goes to a transform of at most PART nodes, of a vector: components are PART apart. */
-typedef void (*Fill)(const Form *, const double *vector, long at, long n, double *part);
+typedef void (*Fill)(const Form *, const void *vector, long at, long n, double *part);
 
 /* Tractions; the tangent is kept for a linearisation at the same unknown, where there is room for it. */
-static void fill_tractions(const Form *f, const double *unknown, long at, long n, double *part)
+static void fill_tractions(const Form *f, const void *unknown, long at, long n, double *part)
 {
     gap_of(f, unknown, at, n, part);
     evaluate_part(f->law, f->components, n, part, PART, (Part){part, PART},
                   part_of(f->ahead, at, f->nodes));
 }
 
-/* D vector / scale */
-CLONES static void fill_stiffened(const Form *f, const double *vector, long at, long n, double *part)
+/* D vector / scale, of some nodes of a vector whose components are `apart` */
+CLONES static void stiffen(const Form *f, const double *vector, long apart, long at, long n, double *part)
 {
     const long m = f->components, nodes = f->nodes;
     const double *restrict z = f->unscale;
     for (long i = 0; i < m; i++) {
         double *restrict w = part + i * PART;
-        const double *restrict d = f->tangent + i * m * nodes + at, *restrict v = vector + at;
+        const double *restrict d = f->tangent + i * m * nodes + at, *restrict v = vector;
         if (m == 3)
             for (long k = 0; k < n; k++)
-                w[k] = d[k] * v[k] + d[nodes + k] * v[nodes + k] + d[2 * nodes + k] * v[2 * nodes + k];
+                w[k] = d[k] * v[k] + d[nodes + k] * v[apart + k] + d[2 * nodes + k] * v[2 * apart + k];
         else {
             for (long k = 0; k < n; k++) w[k] = d[k] * v[k];
             for (long j = 1; j < m; j++)
-                for (long k = 0; k < n; k++) w[k] += d[j * nodes + k] * v[j * nodes + k];
+                for (long k = 0; k < n; k++) w[k] += d[j * nodes + k] * v[j * apart + k];
         }
         for (long k = 0; k < n && z; k++) w[k] *= z[at + k];
     }
 }
 
-/* vector / scale */
-CLONES static void fill_vector(const Form *f, const double *vector, long at, long n, double *part)
+static void fill_stiffened(const Form *f, const void *vector, long at, long n, double *part)
 {
+    stiffen(f, (const double *)vector + at, f->nodes, at, n, part);
+}
+
+CLONES static void widen(const float *restrict x, double *restrict out, long n)
+{
+    for (long k = 0; k < n; k++) out[k] = x[k];
+}
+
+CLONES static void narrow(const double *restrict x, float *restrict out, long n)
+{
+    for (long k = 0; k < n; k++) out[k] = x[k];
+}
+
+/* the same of a vector in single precision */
+static void fill_stiffened_in_single(const Form *f, const void *vector, long at, long n, double *part)
+{
+    double wide[MOST * PART];
+    for (long i = 0; i < f->components; i++)
+        widen((const float *)vector + i * f->nodes + at, wide + i * PART, n);
+    stiffen(f, wide, PART, at, n, part);
+}
+
+/* vector / scale */
+CLONES static void fill_vector(const Form *f, const void *given, long at, long n, double *part)
+{
+    const double *restrict vector = given;
     for (long i = 0; i < f->components; i++)
         for (long k = 0; k < n; k++)
             part[i * PART + k] = vector[i * f->nodes + at + k] * (f->unscale ? f->unscale[at + k] : 1.0);
@@ -150,7 +175,7 @@ static int asks_for_sums(const Form *f)
 
 /* Puts what some nodes after the other are filled with in the transform of r, and sums it up where that is
    asked for. */
-static void put(const Form *f, const Response *r, const double *vector, Fill fill, double *sum)
+static void put(const Form *f, const Response *r, const void *vector, Fill fill, double *sum)
 {
     const long m = f->components, rows = r->shape[0], c = r->on_circle ? f->nodes : r->shape[1];
     const long lines = r->on_circle ? 1 : r->boxes * rows, parts = c > PART ? (c + PART - 1) / PART : 1;
@@ -265,6 +290,33 @@ int product(Form *f, const double *vector, double *out)
     for (long row = 0; row < f->forced_count; row++) {
         const long i = f->forced[row];
         out[m * n + row] = f->row_scale[i] * (sum[i] * f->root + f->drag[i] * vector[m * n + row]);
+    }
+    return 0;
+}
+
+/* The product of a vector in single precision, of one box whose transform has all of its nodes. */
+int product_in_single(Form *f, const float *vector, float *out)
+{
+    const long n = f->nodes, m = f->components, rows = f->response->shape[0], c = f->response->shape[1];
+    double sum[MOST], row[c];
+    f->products++;
+    put(f, chosen(f), vector, fill_stiffened_in_single, sum);
+    int status = convolve(chosen(f), 0);
+    if (status) return status;
+    for (long i = 0; i < m; i++) {
+        double mean = -f->rigid[i] * sum[i] / f->size;
+        for (long k = 0; k < f->forced_count; k++)
+            if (f->forced[k] == i) mean = vector[m * n + k] / f->root;
+        for (long j = 0; j < rows; j++) {
+            const long at = i * n + j * c;
+            widen(vector + at, row, c);
+            take_row(chosen(f)->transform, i, j, mean, 1.0, f->scale ? f->scale + j * c : 0, row, row, c);
+            narrow(row, out + at, c);
+        }
+    }
+    for (long k = 0; k < f->forced_count; k++) {
+        const long i = f->forced[k];
+        out[m * n + k] = f->row_scale[i] * (sum[i] * f->root + f->drag[i] * vector[m * n + k]);
     }
     return 0;
 }

@@ -220,6 +220,7 @@ long place_of(const Transform *t, long row, long column);
 void invert(const Transform *t, const double *compliance, double stiffness, double gain, void *symbol);
 void complement(const Transform *t, double whole, double share, void *symbol);
 int apply_patched(const Zone *z, const Block *b, Transform *t, const double *field, double *out);
+int apply_patched_in_single(const Zone *z, const Block *b, Transform *t, const float *field, float *out);
 int convolve(const Response *r, int transposed);
 void times_in_double(double *x, const double *s, long n);
 void times_in_single(float *x, const float *s, long n);
@@ -252,6 +253,9 @@ void evaluate(const Law *law, long components, long nodes, const double *gap, do
               double *tangent);
 void add_times(double *x, const double *s, const double *y, long n, int is_complex, double sign);
 void along_columns(const Columns *c, int there, int back, const Response *r, int transposed);
+int choose(System *s, int begins);
+int product_in_single(Form *f, const float *vector, float *out);
+int precondition_in_single(Zone *z, const float *vector, float *out);
 void begin_residual(Form *f, const double *unknown, double *sum);
 void begin_product(Form *f, const double *vector, double *sum);
 void begin_transposed(Form *f, const double *vector, double *sum);

@@ -35,6 +35,7 @@ static const double SHORTEST = 32767.0; /* largest of the short integers */
     }
 PRODUCTS(float, double, dot_floats, add_floats)
 PRODUCTS(short, float, dot_shorts, add_shorts)
+PRODUCTS(float, float, dot_singles, add_singles)
 
 CLONES static void narrow(long n, const double *restrict v, float *restrict out)
 {
@@ -143,4 +144,126 @@ void rounded(long size, double *vector, double factor, short *row, double *scale
     for (long from = 0; from < size; from += PIECE)
         round_piece(size - from < PIECE ? size - from : PIECE, vector + from, factor, row + from,
                     scales + from / PIECE);
+}
+
+/* ---- one iteration whose vectors are in single precision throughout */
+
+CLONES static double square_in_single(long n, const float *restrict v)
+{
+    double square = 0.0;
+    for (long i = 0; i < n; i++) square += (double)v[i] * v[i];
+    return square;
+}
+
+/* `inner_products` of a vector in single precision */
+static void products_in_single(long count, long size, const void *const *rows, const double *const *scales,
+                               const float *vector, double *found)
+{
+    for (long k = 0; k <= count; k++) found[k] = 0.0;
+    for (long from = 0; from < size; from += PIECE) {
+        const long n = size - from < PIECE ? size - from : PIECE;
+        for (long k = 0; k < count; k += AT_ONCE) {
+            const void *at[AT_ONCE];
+            double sums[AT_ONCE];
+            places(rows, k, count, from, scales != 0, at);
+            if (scales) dot_shorts(n, at[0], at[1], at[2], at[3], vector + from, sums);
+            else dot_singles(n, at[0], at[1], at[2], at[3], vector + from, sums);
+            for (long j = k; j < count && j < k + AT_ONCE; j++) found[j] += sums[j - k] * scale_of(scales, j, from);
+        }
+        found[count] += square_in_single(n, vector + from);
+    }
+}
+
+/* vector -= sum over k of factors[k] times row k; its length then */
+static double subtract_in_single(long count, long size, const void *const *rows, const double *const *scales,
+                                 const double *factors, float *vector)
+{
+    double found = 0.0;
+    for (long from = 0; from < size; from += PIECE) {
+        const long n = size - from < PIECE ? size - from : PIECE;
+        for (long k = 0; k < count; k += AT_ONCE) {
+            const void *at[AT_ONCE];
+            double own[AT_ONCE] = {0.0};
+            places(rows, k, count, from, scales != 0, at);
+            for (long j = k; j < count && j < k + AT_ONCE; j++) own[j - k] = -factors[j] * scale_of(scales, j, from);
+            if (scales) add_shorts(n, at[0], at[1], at[2], at[3], own, vector + from);
+            else add_singles(n, at[0], at[1], at[2], at[3], own, vector + from);
+        }
+        found += square_in_single(n, vector + from);
+    }
+    return sqrt(found);
+}
+
+CLONES static void round_single(long n, float *restrict v, double factor, short *restrict row, double *scale)
+{
+    int most = 0; /* as of `round_piece` */
+    for (long i = 0; i < n; i++) {
+        int bits;
+        memcpy(&bits, v + i, sizeof bits);
+        bits &= 0x7fffffff;
+        most = bits > most ? bits : most;
+    }
+    float largest;
+    memcpy(&largest, &most, sizeof most);
+    const int known = largest <= FLT_MAX;
+    const double exact = *scale = known ? largest * factor / SHORTEST : NAN;
+    const float own = exact, inverse = known && largest > 0.0f ? SHORTEST / largest : 0.0;
+    for (long i = 0; i < n; i++) {
+        const float x = v[i] * inverse;
+        const int whole = (int)(x + copysignf(0.5f, x));
+        row[i] = whole;
+        v[i] = whole * own;
+    }
+}
+
+CLONES static void scale_single(long n, float *restrict v, float factor, float *restrict row)
+{
+    for (long i = 0; i < n; i++) row[i] = v[i] *= factor;
+}
+
+/* Takes a vector times a positive factor, in place, as a row: its pieces rounded where it has scales. */
+static void keep(long size, float *vector, double factor, void *row, double *scales)
+{
+    if (!scales) scale_single(size, vector, factor, row);
+    for (long from = 0; from < size && scales; from += PIECE)
+        round_single(size - from < PIECE ? size - from : PIECE, vector + from, factor, (short *)row + from,
+                     scales + from / PIECE);
+}
+
+/* An iteration: the vector times a factor becomes row number `place`; the preconditioner makes of it what fills
+   `made`, and of the product with that the vector is what the rows leave. found: its products with these, and
+   its length, 0 where they span it: what is shorter than `cancelled` times what it was is made orthogonal once
+   more, and nothing below `left`. work: as many numbers as rows. */
+int iterate(System *s, long place, long size, void *const *rows, double *const *scales, double factor,
+            float *vector, float *made, double cancelled, double left, double *found, double *work)
+{
+    const void *const *known = (const void *const *)rows;
+    const double *const *sizes = (const double *const *)scales;
+    const long count = place + 1;
+    int status = choose(s, 0);
+    if (status) return status;
+    keep(size, vector, factor, rows[place], scales ? scales[place] : 0);
+    if ((status = precondition_in_single(s->zone, vector, made))) return status;
+    if ((status = product_in_single(s->form, made, vector))) return status;
+    products_in_single(count, size, known, sizes, vector, found);
+    const double before = sqrt(found[count]);
+    double length = subtract_in_single(count, size, known, sizes, found, vector);
+    if (length < cancelled * before) {
+        products_in_single(count, size, known, sizes, vector, work);
+        length = subtract_in_single(count, size, known, sizes, work, vector);
+        for (long k = 0; k < count; k++) found[k] += work[k];
+    }
+    found[count] = length > left * before ? length : 0.0;
+    return 0;
+}
+
+/* A vector in place, its numbers in single precision one after another from where it begins. */
+void narrowed(long size, double *vector)
+{
+    float piece[PIECE];
+    for (long from = 0; from < size; from += PIECE) {
+        const long n = size - from < PIECE ? size - from : PIECE;
+        narrow(n, vector + from, piece);
+        memcpy((float *)vector + from, piece, n * sizeof *piece);
+    }
 }

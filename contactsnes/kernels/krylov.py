@@ -1,8 +1,11 @@
 """Krylov vectors in single precision, or rounded, in the library."""
 
+import ctypes
+
 import numpy as np
 
 from ..grid.rounded import Rounded
+from .forms import call
 from .library import shared
 from .structures import address
 
@@ -57,6 +60,50 @@ def rounded(vector, row, factor=1.0):
     """
     shared().rounded(len(vector), address(vector), factor, address(row.numbers),
                      address(row.scales))
+
+
+def steps_alone(system):
+    """Whether iterations of a linear solve can be the library's (`Iterations`).
+
+    Parameters
+    ----------
+    system : structures.System
+    """
+    response = system.form.contents.response.contents
+    return not system.arc and response.boxes == 1 and not response.on_circle
+
+
+class Iterations:
+    """Iterations of a cycle of GMRES whose vectors are in single precision throughout, each one
+    call of the library, by a form's operator and its preconditioner.
+
+    Parameters
+    ----------
+    system : structures.System that `steps_alone`
+    counter : Counter of transforms
+    vectors : arrays, what the cycle begins with and one to work in, whose memory is taken
+    space : Basis in single precision, or `Short`
+    made : Basis of what the preconditioner made of its rows, or None
+    cancelled, left : parts of a vector, as of `solvers.basis.orthogonalised`
+    """
+
+    def __init__(self, system, counter, vectors, space, made, cancelled, left):
+        self._system, self._counter = ctypes.addressof(system), counter
+        self._vectors, self._bases, self._bounds = vectors, (space, made), (cancelled, left)
+        shared().narrowed(len(vectors[0]), address(vectors[0]))
+
+    def __call__(self, place, factor):
+        """Take the vector times a factor as row number ``place``, and go on with what the rows
+        leave of the product; its products with them, and last its length."""
+        (space, made), (vector, work) = self._bases, self._vectors
+        space.make(place)
+        if made:
+            made.make(place)
+        room, kept = np.empty((2, place + 2)), made.rows[place] if made else work
+        call(shared().iterate, self._counter, self._system, place, len(vector),
+             *space.rows.places(), factor, address(vector), address(kept), *self._bounds,
+             address(room[0]), address(room[1]))
+        return room[0]
 
 
 def _held(rows):

@@ -11,7 +11,7 @@ from pathlib import Path
 from . import structures
 
 HERE = Path(__file__).parent
-SOURCES = ("kernels.h", "both.h", "precision.h", "columns.h", "pairs.h", "folded.h",
+SOURCES = ("kernels.h", "both.h", "precision.h", "columns.h", "pairs.h", "folded.h", "patches.h",
            "transforms.c", "packed.c", "folded.c", "slabs.c", "forms.c", "motion.c", "core_zone.c",
            "patches.c", "steps.c", "krylov.c", "modes.c", "points.c", "petsc.c", "laws.c",
            "library.c")
@@ -158,6 +158,9 @@ CALLS = {"forward": [_pointer, _long], "backward": [_pointer, _long],
          "spline": [_long, _long, _long, _pointer, _long, _pointer, _pointer, _pointer],
          **dict.fromkeys(("inner_products", "add_rows"), [_long, _long, *[_pointer] * 4]),
          "rounded": [_long, _pointer, _double, _pointer, _pointer],
+         "narrowed": [_long, _pointer],
+         "iterate": [_pointer, _long, _long, _pointer, _pointer, _double, _pointer, _pointer,
+                     _double, _double, _pointer, _pointer],
          "sources": [_long, _long, _long, _pointer, _pointer, _long, _pointer],
          "followed": [_long, _long, _long, *[_pointer] * 5, _long, _double, _pointer, _long,
                       *[_pointer] * 4],

@@ -26,7 +26,7 @@ static int fill(System *s, const double *x, double *y)
 
 /* Chooses the precision of a linear solve's products and preconditioner when it begins: single where no
    more is asked of it than that holds. One that takes many iterations goes on in double. */
-static int choose(System *s, int begins)
+int choose(System *s, int begins)
 {
     double relative, absolute, other, size;
     void *right;

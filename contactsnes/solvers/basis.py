@@ -99,15 +99,30 @@ class Basis:
     products : what computes: a module, or class, with ``inner_products`` and ``add_rows``, and the
         kind of list that it takes, ``Rows``
     grid : Grid, which sums over processes
+    size : int, numbers of a row
 
     Attributes
     ----------
     rows : list of them
     """
 
-    def __init__(self, kind, products, grid):
+    def __init__(self, kind, products, grid, size):
         self._kind, self._products, self.rows = kind, products, products.Rows()
-        self._grid = grid
+        self._grid, self._size = grid, size
+
+    @property
+    def single(self):
+        """Whether rows are in single precision, or less."""
+        return self._kind is not float
+
+    def make(self, place):
+        """Have a row of that number, the first that is free at most."""
+        if place == len(self.rows):
+            self.rows.append(self._new())
+
+    def _new(self):
+        """A row."""
+        return np.empty(self._size, dtype=self._kind)
 
     def keep(self, place, vector, factor=1.0):
         """Take a vector times a positive number, in place, as a row.
@@ -118,8 +133,7 @@ class Basis:
         vector : array
         factor : float
         """
-        if place == len(self.rows):
-            self.rows.append(np.empty(len(vector), dtype=self._kind))
+        self.make(place)
         if factor != 1.0:
             vector *= factor
         self.rows[place][...] = vector
@@ -139,6 +153,10 @@ class Short(Basis):
     """Rows that are `Rounded`: what is taken of a vector, and left of it, is the rounded one, so
     that products with it are exact; parameters as of `Basis`."""
 
+    def _new(self):
+        """A row."""
+        return Rounded.of(self._size)
+
     def keep(self, place, vector, factor=1.0):
         """Round a vector times a positive number, and take it as a row.
 
@@ -146,8 +164,7 @@ class Short(Basis):
         ----------
         place, vector, factor : as of `Basis.keep`
         """
-        if place == len(self.rows):
-            self.rows.append(Rounded.of(len(vector)))
+        self.make(place)
         self._products.rounded(vector, self.rows[place], factor)
 
 

@@ -10,7 +10,7 @@ from petsc4py import PETSc
 
 from ..grid.patches import taken
 from ..kernels import krylov as compiled
-from .basis import Basis, InDouble, InSingle, Short, orthogonalised
+from .basis import CANCELLED, LEFT, Basis, InDouble, InSingle, Short, orthogonalised
 from .precision import PATIENCE, ROUNDED, SAFE
 from .triangle import Triangle
 
@@ -142,7 +142,7 @@ class GMRES:
             work = b.duplicate() if again else x
             few = aim >= ROUNDED * size and b.getSize() >= WIDE
             bases = self._bases(Short if few else Basis if aim >= SAFE * size else None,
-                                ksp.getPC())
+                                ksp.getPC(), len(vector.getArray(readonly=True)))
             self._cycle(ksp, (vector, work), size, bases)
             self._correct(ksp.getPC(), (vector, work), bases)
             if again:
@@ -165,16 +165,23 @@ class GMRES:
         """Whether a preconditioner is asked again in place of what it made of vectors."""
         return self._cheap and is_ours(pc)
 
-    def _bases(self, kind, pc):
+    def _bases(self, kind, pc, count):
         """(rows of the space, what the preconditioner made of them or None), of a kind: None in
-        double precision; others are kept for the next solve."""
+        double precision; others are kept for the next solve.
+
+        Parameters
+        ----------
+        kind : class of the first, or None
+        pc : petsc4py PC
+        count : int, numbers of a row here
+        """
         key = kind, self._asks_again(pc)
         if kind and self._kept[0] == key:
             return self._kept[1]
         self.release()
         parts = (np.float32, self._products) if kind else (float, InDouble)
-        bases = ((kind or Basis)(*parts, self._grid),
-                 None if key[1] else Basis(*parts, self._grid))
+        bases = ((kind or Basis)(*parts, self._grid, count),
+                 None if key[1] else Basis(*parts, self._grid, count))
         if kind:
             self._kept = key, bases
         return bases
@@ -214,19 +221,38 @@ class GMRES:
         size : float, its norm
         bases : (Basis, Basis or None)
         """
-        (vector, work), (space, made) = vectors, bases
-        operator, pc = ksp.getOperators()[0], ksp.getPC()
+        iteration = self._iteration(ksp, vectors, bases)
         self.triangle = triangle = Triangle(size, self._restart)
         while triangle.count < self._restart and not ksp.getConvergedReason():
-            place = triangle.count
-            space.keep(place, vector.getArray(), 1.0 / size if size > 0.0 else 1.0)
-            pc.apply(vector, work)
-            if made:
-                made.keep(place, work.getArray(readonly=True))
-            operator.mult(work, vector)
-            column = orthogonalised(space, place + 1, vector.getArray())
+            column = iteration(triangle.count, 1.0 / size if size > 0.0 else 1.0)
             norm, size = triangle.add(column), column[-1]
             ksp.setIterationNumber(ksp.getIterationNumber() + 1)
             self._judge(ksp, ksp.getIterationNumber(), norm)
             if size == 0.0 and not ksp.getConvergedReason():
                 ksp.setConvergedReason(PETSc.KSP.ConvergedReason.DIVERGED_BREAKDOWN)
+
+    def _iteration(self, ksp, vectors, bases):
+        """What makes an iteration: takes the vector times a factor as row of a number, and goes on
+        with what the rows leave of the product; its products with these, and its length.
+
+        Parameters
+        ----------
+        ksp, vectors, bases : as of `_cycle`
+        """
+        (vector, work), (space, made) = vectors, bases
+        operator, pc = ksp.getOperators()[0], ksp.getPC()
+        own = operator.getAttr("callbacks") if space.single and is_ours(pc) else None
+        if own and own is pc.getAttr("callbacks") and compiled.steps_alone(own.structure):
+            return compiled.Iterations(own.structure, self._grid.counter,
+                                       (vector.getArray(), work.getArray()), space, made,
+                                       CANCELLED, LEFT)
+
+        def by_petsc(place, factor):
+            space.keep(place, vector.getArray(), factor)
+            pc.apply(vector, work)
+            if made:
+                made.keep(place, work.getArray(readonly=True))
+            operator.mult(work, vector)
+            return orthogonalised(space, place + 1, vector.getArray())
+
+        return by_petsc
