@@ -37,7 +37,8 @@ def twin(form, half, scale=None):
 
 
 def call(function, counter, *arguments):
-    """Call what transforms; RuntimeError where these are more than a limit.
+    """Call what transforms; RuntimeError where these are more than a limit, or PETSc, which it may
+    ask, has failed.
 
     Parameters
     ----------
@@ -45,8 +46,11 @@ def call(function, counter, *arguments):
     counter : Counter
     arguments : of the function
     """
-    if function(*arguments) == TOO_MANY:
+    status = function(*arguments)
+    if status == TOO_MANY:
         counter.check()
+    if status:
+        raise RuntimeError(f"the library's {function.__name__} failed with status {status}")
 
 
 class CompiledForm:

@@ -257,13 +257,50 @@ int iterate(System *s, long place, long size, void *const *rows, double *const *
     return 0;
 }
 
-/* A vector in place, its numbers in single precision one after another from where it begins. */
-void narrowed(long size, double *vector)
+/* A vector's numbers in single precision, one after another, where another vector is, or the same. */
+void narrowed(long size, const double *vector, double *out)
 {
     float piece[PIECE];
     for (long from = 0; from < size; from += PIECE) {
         const long n = size - from < PIECE ? size - from : PIECE;
         narrow(n, vector + from, piece);
-        memcpy((float *)vector + from, piece, n * sizeof *piece);
+        memcpy((float *)out + from, piece, n * sizeof *piece);
     }
+}
+
+/* The same back, in place. */
+static void widened(long size, double *vector)
+{
+    float piece[PIECE];
+    for (long end = size; end > 0;) { /* from the last one on: they take the place of those behind them */
+        const long n = end % PIECE ? end % PIECE : PIECE;
+        end -= n;
+        memcpy(piece, (float *)vector + end, n * sizeof *piece);
+        for (long i = 0; i < n; i++) vector[end + i] = piece[i];
+    }
+}
+
+/* out = the sum of rows times factors or, if `asks`, what the preconditioner makes of that: in single
+   precision, and in double at last. */
+int sum_up(System *s, long count, long size, const void *const *rows, const double *const *scales,
+           const double *factors, int asks, float *vector, double *out)
+{
+    float *sum = asks ? vector : (float *)out;
+    int status = choose(s, 0);
+    for (long from = 0; from < size; from += PIECE) {
+        const long n = size - from < PIECE ? size - from : PIECE;
+        float piece[PIECE] = {0.0f};
+        for (long k = 0; k < count; k += AT_ONCE) {
+            const void *at[AT_ONCE];
+            double own[AT_ONCE] = {0.0};
+            places(rows, k, count, from, scales != 0, at);
+            for (long j = k; j < count && j < k + AT_ONCE; j++) own[j - k] = factors[j] * scale_of(scales, j, from);
+            if (scales) add_shorts(n, at[0], at[1], at[2], at[3], own, piece);
+            else add_singles(n, at[0], at[1], at[2], at[3], own, piece);
+        }
+        memcpy(sum + from, piece, n * sizeof *piece);
+    }
+    if (!status && asks) status = precondition_in_single(s->zone, vector, (float *)out);
+    widened(size, out);
+    return status;
 }

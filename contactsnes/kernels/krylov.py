@@ -81,16 +81,17 @@ class Iterations:
     ----------
     system : structures.System that `steps_alone`
     counter : Counter of transforms
-    vectors : arrays, what the cycle begins with and one to work in, whose memory is taken
+    begin : array, what the cycle begins with
+    vectors : arrays to work in, the first of which may be that
     space : Basis in single precision, or `Short`
     made : Basis of what the preconditioner made of its rows, or None
     cancelled, left : parts of a vector, as of `solvers.basis.orthogonalised`
     """
 
-    def __init__(self, system, counter, vectors, space, made, cancelled, left):
+    def __init__(self, system, counter, begin, vectors, space, made, cancelled, left):
         self._system, self._counter = ctypes.addressof(system), counter
         self._vectors, self._bases, self._bounds = vectors, (space, made), (cancelled, left)
-        shared().narrowed(len(vectors[0]), address(vectors[0]))
+        shared().narrowed(len(begin), address(begin), address(vectors[0]))
 
     def __call__(self, place, factor):
         """Take the vector times a factor as row number ``place``, and go on with what the rows
@@ -104,6 +105,18 @@ class Iterations:
              *space.rows.places(), factor, address(vector), address(kept), *self._bounds,
              address(room[0]), address(room[1]))
         return room[0]
+
+    def end(self, factors):
+        """Fill the second vector, in double precision, with what is added to the solution.
+
+        Parameters
+        ----------
+        factors : array, the part of each row
+        """
+        (space, made), (vector, work) = self._bases, self._vectors
+        call(shared().sum_up, self._counter, self._system, len(factors), len(vector),
+             *(made or space).rows.places(), address(factors), made is None, address(vector),
+             address(work))
 
 
 def _held(rows):

@@ -10,7 +10,8 @@ from petsc4py import PETSc
 
 from ..grid.patches import taken
 from ..kernels import krylov as compiled
-from .basis import CANCELLED, LEFT, Basis, InDouble, InSingle, Short, orthogonalised
+from .basis import CANCELLED, LEFT, Basis, InDouble, InSingle, Short
+from .iterations import Iterations
 from .precision import PATIENCE, ROUNDED, SAFE
 from .triangle import Triangle
 
@@ -127,28 +128,30 @@ class GMRES:
         b, x : petsc4py Vec; x is filled, or what the solve begins with
         """
         vector, again = self.idle or b.duplicate(), ksp.getInitialGuessNonzero()
+        begin = vector if again else b
         if again:
             ksp.getOperators()[0].mult(x, vector)
             vector.aypx(-1.0, b)
-        else:
-            x.set(0.0)
-            b.copy(vector)
         relative, absolute = ksp.getTolerances()[:2]
-        aim, size = max(relative * b.norm(), absolute), vector.norm()
+        aim, size = max(relative * b.norm(), absolute), begin.norm()
         ksp.setIterationNumber(0)
         self._judge(ksp, 0, size)
+        if ksp.getConvergedReason() and not again:
+            x.set(0.0)
         while not ksp.getConvergedReason():
             # what is not known of the solution yet is room to work in
             work = b.duplicate() if again else x
             few = aim >= ROUNDED * size and b.getSize() >= WIDE
             bases = self._bases(Short if few else Basis if aim >= SAFE * size else None,
                                 ksp.getPC(), len(vector.getArray(readonly=True)))
-            self._cycle(ksp, (vector, work), size, bases)
-            self._correct(ksp.getPC(), (vector, work), bases)
+            iterations = self._iterations(ksp, begin, (vector, work), bases)
+            self._cycle(ksp, iterations, size)
+            iterations.end(self.triangle.factors())
+            del iterations  # with it PETSc has its vectors back
             if again:
                 x.axpy(1.0, work)
                 work.destroy()  # at once: older petsc4py does so late
-            again = True
+            begin, again = vector, True
             if not ksp.getConvergedReason():
                 bases = None  # the next cycle's may be others
                 ksp.getOperators()[0].mult(x, vector)
@@ -186,21 +189,6 @@ class GMRES:
             self._kept = key, bases
         return bases
 
-    def _correct(self, pc, vectors, bases):
-        """Fill the second of two vectors with what a cycle adds to the solution.
-
-        Parameters
-        ----------
-        pc : petsc4py PC
-        vectors, bases : as of `_cycle`
-        """
-        (vector, work), (space, made) = vectors, bases
-        total = work if made else vector
-        total.set(0.0)
-        (made or space).add(self.triangle.factors(), total.getArray())
-        if made is None:
-            pc.apply(vector, work)
-
     def _judge(self, ksp, iteration, norm):
         """Tell PETSc of an iteration, and ask whether it is the last."""
         ksp.setResidualNorm(norm)
@@ -211,48 +199,39 @@ class GMRES:
             reason = PETSc.KSP.ConvergedReason.DIVERGED_MAX_IT
         ksp.setConvergedReason(reason)
 
-    def _cycle(self, ksp, vectors, size, bases):
+    def _cycle(self, ksp, iterations, size):
         """A cycle.
 
         Parameters
         ----------
         ksp : petsc4py KSP
-        vectors : (Vec, Vec), the residual, which is overwritten, and one to work in
-        size : float, its norm
-        bases : (Basis, Basis or None)
+        iterations : what makes them
+        size : float, norm of the residual that it begins with
         """
-        iteration = self._iteration(ksp, vectors, bases)
         self.triangle = triangle = Triangle(size, self._restart)
         while triangle.count < self._restart and not ksp.getConvergedReason():
-            column = iteration(triangle.count, 1.0 / size if size > 0.0 else 1.0)
+            column = iterations(triangle.count, 1.0 / size if size > 0.0 else 1.0)
             norm, size = triangle.add(column), column[-1]
             ksp.setIterationNumber(ksp.getIterationNumber() + 1)
             self._judge(ksp, ksp.getIterationNumber(), norm)
             if size == 0.0 and not ksp.getConvergedReason():
                 ksp.setConvergedReason(PETSc.KSP.ConvergedReason.DIVERGED_BREAKDOWN)
 
-    def _iteration(self, ksp, vectors, bases):
-        """What makes an iteration: takes the vector times a factor as row of a number, and goes on
-        with what the rows leave of the product; its products with these, and its length.
+    def _iterations(self, ksp, begin, vectors, bases):
+        """What makes the iterations of a cycle: the library, or PETSc.
 
         Parameters
         ----------
-        ksp, vectors, bases : as of `_cycle`
+        ksp : petsc4py KSP
+        begin : Vec, the residual
+        vectors : (Vec, Vec) to work in, the first of which may be that; the second is filled
+        bases : (Basis, Basis or None)
         """
-        (vector, work), (space, made) = vectors, bases
         operator, pc = ksp.getOperators()[0], ksp.getPC()
-        own = operator.getAttr("callbacks") if space.single and is_ours(pc) else None
-        if own and own is pc.getAttr("callbacks") and compiled.steps_alone(own.structure):
-            return compiled.Iterations(own.structure, self._grid.counter,
-                                       (vector.getArray(), work.getArray()), space, made,
-                                       CANCELLED, LEFT)
-
-        def by_petsc(place, factor):
-            space.keep(place, vector.getArray(), factor)
-            pc.apply(vector, work)
-            if made:
-                made.keep(place, work.getArray(readonly=True))
-            operator.mult(work, vector)
-            return orthogonalised(space, place + 1, vector.getArray())
-
-        return by_petsc
+        own = operator.getAttr("callbacks") if bases[0].single and is_ours(pc) else None
+        if not (own and own is pc.getAttr("callbacks") and compiled.steps_alone(own.structure)):
+            return Iterations(operator, pc, begin, vectors, *bases)
+        arrays = [vector.getArray() for vector in vectors]
+        given = arrays[0] if begin is vectors[0] else begin.getArray(readonly=True)
+        return compiled.Iterations(own.structure, self._grid.counter, given, arrays, *bases,
+                                   CANCELLED, LEFT)

@@ -102,5 +102,5 @@ def test_those_of_another_preconditioner_are_petscs(monkeypatch, options):
 def test_vectors_become_single_in_place():
     given = np.random.default_rng(3).normal(size=2500)
     vector = given.copy()
-    library.shared().narrowed(len(vector), vector.ctypes.data)
+    library.shared().narrowed(len(vector), *2 * [vector.ctypes.data])
     np.testing.assert_array_equal(vector.view(np.float32)[:2500], given.astype(np.float32))

@@ -164,14 +164,14 @@ def test_cycles_hold_vectors_in_the_precision_they_ask_for(system, options, monk
     in double, the next ones, which begin with less, in single, and then rounded."""
     options(ksp_gmres_restart="6")
     own, seen = GMRES(ALONE, True), []
-    cycle = own._cycle
+    iterations = own._iterations
 
     def watched(*given):
         space = given[-1][0]
         seen.append("double" if space._products is basis.InDouble else type(space).__name__)
-        return cycle(*given)
+        return iterations(*given)
 
-    monkeypatch.setattr(own, "_cycle", watched)
+    monkeypatch.setattr(own, "_iterations", watched)
     ksp, theirs = (ksp_of(system[0], context, rtol=tolerance) for context in (own, None))
     theirs.setGMRESRestart(6)
     (found, _), (expected, _) = (solved(each, system[1]) for each in (ksp, theirs))
@@ -185,9 +185,9 @@ def test_cycles_hold_vectors_in_the_precision_they_ask_for(system, options, monk
 def test_few_unknowns_are_not_rounded(system, monkeypatch):
     monkeypatch.setattr(krylov, "WIDE", SIZE + 1)
     own, seen = GMRES(ALONE, True), []
-    cycle = own._cycle
-    monkeypatch.setattr(own, "_cycle", lambda *given: seen.append(type(given[-1][0]))
-                        or cycle(*given))
+    iterations = own._iterations
+    monkeypatch.setattr(own, "_iterations", lambda *given: seen.append(type(given[-1][0]))
+                        or iterations(*given))
     solved(ksp_of(system[0], own, rtol=1e-2), system[1])
     assert set(seen) == {krylov.Basis}
 
