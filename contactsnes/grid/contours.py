@@ -142,18 +142,25 @@ def _roots(*nodes):
     return 0.5 * (low + high)
 
 
-def area_below(box, level):
+def area_below(box, level, grid):
     """Area below a level of the surface through a box of nodes without its outermost ring, in
-    squares of the grid.
+    squares of the grid, of all processes that share it out.
 
     Squares that the level cuts are divided by bicubic interpolation, and the parts by triangles;
     what is left of these falls with the square of the division, which two divisions tell. Fourth
     order.
+
+    Parameters
+    ----------
+    box : array (rows, columns)
+    level : float, unit of the values
+    grid : Grid of the nodes
     """
     whole, _, patches = cut_patches(box, level)
+    patches = grid.evened(patches)
     coarse, fine = (sum(_triangles_below(refined(patches[some], parts))
                         for some in pieces(len(patches))) / parts ** 2 for parts in (4, 8))
-    return whole + (4.0 * fine - coarse) / 3.0
+    return grid.together(whole + (4.0 * fine - coarse) / 3.0)
 
 
 def cut_patches(box, level):

@@ -197,8 +197,8 @@ class EvenWindow:
     def area_below(self, values, level):
         """Area where even values (nodes) of the plane lie below a level, as
         `windows.Window.area_below`: that between these nodes, and of its mirror images."""
-        here = self.grid.together(area_below(self.ringed(self.box(values)), level))
-        return float(4.0 * self.grid.node_area * here)
+        return float(4.0 * self.grid.node_area
+                     * area_below(self.ringed(self.box(values)), level, self.grid))
 
     def along(self, line, axis):
         """A line of the full window along an axis, from that at these nodes and the apex on."""

@@ -156,6 +156,11 @@ class Fields:
         order = np.lexsort(keys[::-1])
         return {name: values[..., order] for name, values in arrays.items()}
 
+    def evened(self, rows):
+        """Of what all processes have of an array along its first axis about as much for each, to be
+        worked on: all."""
+        return rows
+
     def to_first(self, values):
         """Values (..., nodes) of all processes in the first of them, None in the others."""
         return values

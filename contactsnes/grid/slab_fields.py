@@ -7,12 +7,15 @@ import numpy as np
 
 from . import parted
 from .fields import Fields
-from .slab_transform import share
+from .rows import Rows
+from .slab_transform import share, shares
 
 SOWN = 16
 """Rows whose random numbers are of one generator: to make one takes as long as a row."""
 SAMPLED = 256
 """Rows and columns, about, of which a quantile is taken."""
+UNEVEN = 1.25
+"""How many times the mean a process may have of what is worked on, that nothing is sent."""
 
 
 class SlabFields(Fields):
@@ -173,6 +176,19 @@ class SlabFields(Fields):
                 own[i] = exchanged(row)[order]
             found[name] = self.parted(own.reshape(*values.shape[:-1], -1))
         return found
+
+    def evened(self, rows):
+        """Of what all processes have of an array along its first axis about as much for each, to be
+        worked on; what is there, where that is so already."""
+        counts = self.comm.allgather(len(rows))
+        if max(counts) * self.comm.size <= UNEVEN * sum(counts):
+            return rows
+        total, parts = sum(counts), list(zip(np.cumsum([0, *counts]).tolist(), counts))
+        wanted = [np.arange(first, first + number)
+                  for first, number in shares(total, self.comm.size)]
+        found = Rows(self.comm, parts, total).given(
+            rows.reshape(len(rows), math.prod(rows.shape[1:])), wanted)
+        return found.reshape(-1, *rows.shape[1:])
 
     def noise(self, count, seed):
         """Random numbers (count, rows, columns), those of a row the same whoever has it."""

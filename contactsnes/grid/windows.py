@@ -205,8 +205,7 @@ class Window:
         """
         box = self.box(values)
         if len(self.shape) == 2:
-            return float(self.grid.together(area_below(self.ringed(box), level))
-                         * self.grid.node_area)
+            return float(area_below(self.ringed(box), level, self.grid) * self.grid.node_area)
         box = np.append(box, box[0]) if self.is_whole else box
         places, signs = crossings(box, level)
         ends = [*([0.0] if box[0] < level else []), *places, *([len(box) - 1.0] if box[-1] < level

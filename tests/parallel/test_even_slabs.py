@@ -11,6 +11,7 @@ FIELDS = """
 import itertools
 import numpy as np
 from mpi4py import MPI
+from contactsnes.grid import contours
 from contactsnes.grid.alternation import REACH, across_rows, alternation
 from contactsnes.grid.cell import Grid
 from contactsnes.grid.cosines import Cosines, EvenConvolution
@@ -21,6 +22,7 @@ from contactsnes.grid.outlines import outline
 from contactsnes.grid.operator import Operator
 from contactsnes.grid.parity import asymmetry, parity
 from contactsnes.grid.precision import in_single
+from contactsnes.grid.slab_transform import shares
 from contactsnes.grid.slabs import Slabs
 from contactsnes.grid.transfer import smooth
 from contactsnes.grid.windows import enclosing
@@ -169,6 +171,18 @@ for extents in (shape, (23, 32), (46, 15), (21, 11), (5, 7), (3, 5)):
                 found = product.apply(own(folded), np.empty_like(own(folded)), transposed)
                 wanted = expected.apply(folded, np.empty_like(folded), transposed)
                 assert np.allclose(found, own(wanted), rtol=0.0, atol=close), (*case, transposed)
+
+# squares that a level cuts are divided by all processes, whoever has their nodes
+quarter, divided = halved(shared.whole, None), []
+square = quarter.take(shared.part_of(x ** 2 + y ** 2))
+whole_area = halved(alone.whole, None).area_below(
+    halved(alone.whole, None).take(x ** 2 + y ** 2), 1.0)
+refined, contours.refined = contours.refined, lambda patches, parts: (
+    divided.append(len(patches) if parts == 8 else 0) or refined(patches, parts))
+assert np.isclose(quarter.area_below(square, 1.0), whole_area, rtol=1e-12)
+contours.refined = refined
+assert sum(divided) == shares(int(shared.together(sum(divided))), shared.comm.size)[
+    shared.comm.rank][1]
 
 # the smallest box of some nodes
 mask = np.zeros(shape, dtype=bool)

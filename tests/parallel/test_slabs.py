@@ -73,6 +73,13 @@ assert sizes(labelled(mask)).size > 3
 alike("smooth", lambda grid, part: smooth(grid.whole, part(mask).reshape(-1), 0.3).reshape(
     grid.local_shape))
 alike("area", lambda grid, part: grid.whole.area_below(part(cell[0]).reshape(-1), 0.3))
+# what one process has of squares to be divided is dealt out, in its order; what is even stays
+squares, rank, size = random.normal(size=(7, 4, 4)), shared.comm.rank, shared.comm.size
+for number in (0, 7):
+    here = shared.evened(squares[:number if rank == size - 1 else 0])
+    begin, count = shares(number, size)[rank]
+    assert np.array_equal(here, squares[begin:begin + count])
+assert shared.evened(here := squares[:4 + rank % 2]) is here
 alike("every other", lambda grid, part: refined(grid, grid.every_other(part(cell[0]))))
 transfer.STRIP, whole = 150, transfer.STRIP  # some rows at a time
 alike("in strips", lambda grid, part: refined(grid, grid.every_other(part(cell[0]))))
