@@ -57,9 +57,10 @@ class SlabCosines(Filtering):
         here = widths[comm.rank]
         mine = rows[comm.rank][1]
         shapes = (self._count, mine, self.shape[1]), (self._count, self.shape[0], here)
-        # what is sent, or has come, stands in memory of its own
-        fields, packed = (self._grid.room((self._count, place), (max(map(math.prod, shapes)),),
-                                          kind) for place in range(2))
+        # what is sent, or has come, stands in memory of its own; both have room for pairs of rows
+        most = max(math.prod((count, number + number % 2, each)) for count, number, each in shapes)
+        fields, packed = (self._grid.room((self._count, place), (size,), kind)
+                          for place, size in enumerate((most, max(most, self._aside(rows)))))
         self.real, self.spectrum = (fields[:math.prod(shape)].reshape(shape) for shape in shapes)
         self._packed = packed
         packed = packed[:math.prod(shapes[0])].reshape(self._count, mine * self.shape[1])
@@ -75,6 +76,10 @@ class SlabCosines(Filtering):
                         for part, begin, size in zip(columns, starts, sent) if size]
         self._exchanges = [([block, (sent, starts)], [spectrum, got])
                            for block, spectrum in zip(packed, self.spectrum)]
+
+    def _aside(self, rows):
+        """How much memory exchanges take that others make."""
+        return 0
 
     def _along_rows(self, back):
         """Transform the rows of ``real``, in place."""

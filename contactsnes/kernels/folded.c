@@ -41,14 +41,8 @@ void folded_multiply(const Transform *t, const Response *response, const void *s
     folded_rows(t, 0, used, 1);
 }
 
-/* the symbol 1 / gain / (1 + C D), pair after pair, from compliances column after column */
-CLONES void folded_invert(const Transform *t, const double *restrict compliance, double stiffness,
-                          double gain, float *restrict symbol)
+void folded_invert(const Transform *t, const double *compliance, double stiffness, double gain, void *symbol)
 {
-    const long r = t->shape[0], c = t->shape[1];
-    for (long k = 0; k < c; k++) {
-        float *restrict s = symbol + (k / 2) * 2 * r + k % 2;
-        for (long j = 0; j < r; j++) s[2 * j] = 1.0 / gain / (compliance[k * r + j] * stiffness + 1.0);
-        for (long j = 0; j < r && k == c - 1 && c % 2; j++) s[2 * j + 1] = 0.0f;
-    }
+    if (t->single) folded_invert_in_single(t, compliance, stiffness, gain, symbol);
+    else folded_invert_in_double(t, compliance, stiffness, gain, symbol);
 }

@@ -12,8 +12,7 @@ static REAL *OF(field_of)(const Transform *t, long field)
 /* a pair of rows: of slabs, those of this process lie elsewhere */
 static REAL *OF(pair_of)(const Transform *t, const Shares *s, long field, long pair)
 {
-    return s ? row_that_came(s, field, pair, OF(field_of)(t, field), t->shape[1])
-             : OF(field_of)(t, field) + 2 * pair * t->shape[1];
+    return s ? row_that_came(s, field, pair) : OF(field_of)(t, field) + 2 * pair * t->shape[1];
 }
 
 /* to w, for k from 1 on, what stands at n - k, times a sign */
@@ -261,5 +260,17 @@ static void OF(folded_columns)(const Transform *t, const Shares *s, const Respon
             OF(lines)(&t->line[0], (REAL *)t->block + i * wide, apart, pairs, 1, t->odd[i][0]);
             OF(scatter)(t, s, i, first, columns, used);
         }
+    }
+}
+
+/* the symbol 1 / gain / (1 + C D), pair after pair, from compliances column after column */
+CLONES static void OF(folded_invert)(const Transform *t, const double *restrict compliance, double stiffness,
+                                     double gain, REAL *restrict symbol)
+{
+    const long r = t->shape[0], c = t->shape[1];
+    for (long k = 0; k < c; k++) {
+        REAL *restrict s = symbol + (k / 2) * 2 * r + k % 2;
+        for (long j = 0; j < r; j++) s[2 * j] = 1.0 / gain / (compliance[k * r + j] * stiffness + 1.0);
+        for (long j = 0; j < r && k == c - 1 && c % 2; j++) s[2 * j + 1] = 0.0;
     }
 }

@@ -64,11 +64,12 @@ typedef struct { /* a circulant operator times fields on boxes of shape[0] x sha
     const int *on_circle, *in_box; /* and their numbers on the circle and in the box */
 } Response;
 
-typedef struct { /* rows here, of which processes get columns: what is sent, or has come, lies block after block */
+typedef struct { /* rows here, of which processes get columns; those of this process stay where they are */
     long parts, own, rows, place; /* processes; this one; its rows, and the first of them among all */
-    long field, size;             /* bytes from a field to the next one there, and of a number */
+    long size;                    /* bytes of a number */
     const long *first;            /* of each process its first column, and how many there are */
-    char *packed;
+    char *here, *packed, *came;   /* rows; blocks for others; rows of others, as far as they have come */
+    long fields[3];               /* bytes from a field to the next one in each of these */
 } Shares;
 
 typedef struct { /* of `count` half spectra some columns, rows x columns waves each (slabs.c) */
@@ -242,11 +243,9 @@ void folded_rows(const Transform *t, const Shares *s, long used, int back);
 void folded_columns(const Transform *t, const Shares *s, const Response *response, const void *symbol,
                     long used, int transposed);
 void share_rows(const Shares *s, long field, long row, long count, void *x, int back);
-void *row_that_came(const Shares *s, long field, long row, void *others, long wide);
-void even_rows(const Transform *t, const Shares *s, long used, int back);
-void even_columns(const Transform *t, const Shares *s, const Response *r, long used, int transposed);
+void *row_that_came(const Shares *s, long field, long row);
 void folded_invert(const Transform *t, const double *compliance, double stiffness, double gain,
-                   float *symbol);
+                   void *symbol);
 void packed_invert(const Transform *t, const double *compliance, double stiffness, double gain,
                    float *symbol);
 void evaluate(const Law *law, long components, long nodes, const double *gap, double *traction,

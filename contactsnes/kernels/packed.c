@@ -37,11 +37,11 @@ void packed_take_row(const Transform *t, long field, long row, double mean, doub
     else packed_take_row_in_double(t, field, row, mean, factor, scale, own, out, n);
 }
 
-CLONES void packed_blend_row(const Transform *t, long field, long row, const double *restrict into,
-                             const double *restrict back, const double *x, double *out, long n)
+void packed_blend_row(const Transform *t, long field, long row, const double *into, const double *back,
+                      const double *x, double *out, long n)
 {
-    const float *restrict r = row_of_in_single(t, field, row);
-    for (long k = 0; k < n; k++) out[k] = x[k] + back[k] * (r[2 * k] - into[k] * x[k]);
+    if (t->single) packed_blend_row_in_single(t, field, row, into, back, x, out, n);
+    else packed_blend_row_in_double(t, field, row, into, back, x, out, n);
 }
 
 /* Fields on their circle times the blocks of a response or, without one, each times its symbol of some

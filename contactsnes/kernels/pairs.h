@@ -41,6 +41,13 @@ CLONES static void OF(packed_take_row)(const Transform *t, long field, long row,
         out[k] = (r[2 * k] - mean) * factor * (scale ? scale[k] : 1.0) + own[k];
 }
 
+CLONES static void OF(packed_blend_row)(const Transform *t, long field, long row, const double *restrict into,
+                                        const double *restrict back, const double *x, double *out, long n)
+{
+    const REAL *restrict r = OF(row_of)(t, field, row);
+    for (long k = 0; k < n; k++) out[k] = x[k] + back[k] * (r[2 * k] - into[k] * x[k]);
+}
+
 /* waves of some columns of a field's rows, a column after the other, zero beyond the rows used: a line of the
    cache of each column at a time, as columns may all have their places in one set of the cache */
 CLONES static void OF(gather)(const Transform *t, long field, long first, long columns, long used)

@@ -3,6 +3,7 @@
 import ctypes
 import math
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 
@@ -19,23 +20,24 @@ from .structures import address
 from .transforms import Folded
 
 
-class SlabEvenReal(OfLibrary, SlabCosines):
-    """`grid.slab_cosines.SlabCosines` made from real transforms by the library, which writes into
-    its rows what nodes have. Waves are transposed, in the order of `transforms.Cosines`.
+class SlabEvenReal(SlabCosines):
+    """`grid.slab_cosines.SlabCosines` made from real transforms by the library, whose products are
+    those of ``folded``. Waves are transposed, in the order of `transforms.Cosines`.
 
     Parameters
     ----------
     grid, shape, count, rows, parities : as of that
-
-    Attributes
-    ----------
-    structure : of the library, with this process's rows of ``real`` as a field's
     """
 
     @cached_property
     def single(self):
-        """The same in single precision, on the same memory: `SlabFolded`."""
-        return SlabFolded(*self._given)
+        """`SlabFolded` in single precision, on the same memory."""
+        return SlabFolded(*self._given, True)
+
+    @cached_property
+    def folded(self):
+        """`SlabFolded` in double precision, on the same memory."""
+        return SlabFolded(*self._given, False)
 
     def _lay_out(self, comm, rows, kind):
         """Take memory for numbers of a type, and find what goes where.
@@ -47,19 +49,13 @@ class SlabEvenReal(OfLibrary, SlabCosines):
         super()._lay_out(comm, rows, kind)
         self.library, self._here = shared(), self.spectrum
         count, waves, columns = self._here.shape
-        packed = self._packed[:self.real.size].reshape(count, -1)
         self.spectrum = self._packed[:self._here.size].reshape(count, columns, waves)
-        self._shares = Shares(comm, self.shape[1], rows, self._here, packed)
-        self.block = pyfftw.zeros_aligned((count, COLUMNS, waves))
         self._lines = [Line(points, closed)
                        for points, closed in zip(self.shape, closes(self._grid, self.shape))]
-        self.structure, self._columns = (structures.Transform(
-            count=count, even=1, real=address(fields), block=address(self.block))
-            for fields in (self.real, self._here))
-        self.structure.waves = self.spectrum[0].size
-        self.structure.shape[:], self._columns.shape[:] = self.real.shape[1:], self._here.shape[1:]
-        for own in (self.structure, self._columns):
-            _set_lines(own, self._lines, self._odd)
+
+    def _aside(self, rows):
+        """As `SlabCosines._aside`."""
+        return 2 * self._count * sum(_aside(self._grid.comm, _in_pairs(rows), self.shape[1]))
 
     def _along(self, fields, axis, back):
         """Transform the rows of fields, which are lines along an axis of the plane, in place."""
@@ -96,107 +92,102 @@ class SlabEvenReal(OfLibrary, SlabCosines):
         """A symbol on this process's waves of `SlabCosines` in the order of these, of the cell."""
         return np.ascontiguousarray(symbol.T)
 
-    def respond(self, response, transposed):
-        """What stands in ``real`` times an operator, or its transpose, in place.
+    def inverted(self, *given):
+        """As `Filtering.inverted`, for `filter`."""
+        return self.folded.inverted(*given)
 
-        Parameters
-        ----------
-        response : structure of the library, with the operator's symbols and the shape of what
-            stands there
-        transposed : bool
-        """
-        rows, columns, shares = map(ctypes.addressof, (self.structure, self._columns,
-                                                       self._shares.structure))
-        used = response.shape[1]
-        self._grid.counter.add(2.0 * self._cost[0], self._cost[1])
-        self.library.even_rows(rows, shares, used, False)
-        self._shares.send()
-        self.library.even_columns(columns, shares, ctypes.addressof(response), self._shares.used,
-                                  transposed)
-        self._shares.take()
-        self.library.even_rows(rows, shares, used, True)
+    def enter(self, *given):
+        """As `Filtering.enter`, before `filter`."""
+        self.folded.enter(*given)
 
     def filter(self, symbol):
-        """What stands in ``real`` times symbols as of ``inverted``."""
-        response = structures.Response(components=len(symbol))
-        response.shape[:] = self.real.shape[1:]
-        for i, own in enumerate(symbol):
-            response.symbol[i][i] = address(own)
-        self.respond(response, False)
+        """What was entered times symbols as of ``inverted``."""
+        self.folded.filter(symbol)
+
+    def leave(self, *given):
+        """As `Filtering.leave`, after `filter`."""
+        self.folded.leave(*given)
+
+
+def _used(rows):
+    """Rows of all processes, from (first, number) of each."""
+    return max((first + number for first, number in rows if number), default=0)
+
+
+def _aside(comm, rows, width):
+    """Numbers of a field that this process sends, and that come.
+
+    Parameters
+    ----------
+    comm, rows : as of `Shares`
+    width : int, numbers of a row
+    """
+    columns, mine = share(width, comm.rank, comm.size), rows[comm.rank][1]
+    here = columns.stop - columns.start
+    return mine * (width - here), (_used(rows) - mine) * here
+
+
+def _in_pairs(rows):
+    """Pairs of rows, (first, number) of each process."""
+    return [(first // 2, (number + 1) // 2) for first, number in rows]
 
 
 class Shares:
-    """Rows of fields that become columns of others: what of them goes to whom.
+    """Rows of fields that become columns of others: what of them goes to whom. Columns of this
+    process's own rows stay where these are.
 
     Parameters
     ----------
     comm : communicator (mpi4py)
-    width : int, numbers of a row
     rows : (first, number) of each process's rows
-    fields, packed : arrays (count, numbers) of what has come, and is sent, row by row
-
-    Attributes
-    ----------
-    structure : of the library
-    used : int, rows of all processes
+    fields : array (count, rows here, numbers of a row)
+    memory : array of numbers of their type, for what is sent, and has come (`_aside`)
     """
 
-    def __init__(self, comm, width, rows, fields, packed):
-        self._comm, (place, mine) = comm, rows[comm.rank]
+    def __init__(self, comm, rows, fields, memory):
+        (count, mine, width), own = fields.shape, comm.rank
         columns = [share(width, rank, comm.size) for rank in range(comm.size)]
+        self._comm, self._kept = comm, (fields, memory)
+        self._first = (ctypes.c_long * (comm.size + 1))(*(part.start for part in columns), width)
         widths = [part.stop - part.start for part in columns]
-        self.used = max((first + number for first, number in rows if number), default=0)
-        self._packed, self._first = packed, (ctypes.c_long * (comm.size + 1))(
-            *(part.start for part in columns), width)
+        here, self.used = widths[own], _used(rows)
+        ends = np.cumsum([count * number for number in _aside(comm, rows, width)])
+        packed, came, _ = (part.reshape(count, -1) for part in np.split(memory, ends))
         self.structure = structures.Shares(
-            parts=comm.size, own=comm.rank, rows=mine, place=place, size=packed.itemsize,
-            field=packed.itemsize * packed.shape[1], first=self._first, packed=address(packed))
-        real, kind = (1, packed.dtype) if packed.dtype.kind == "f" else (
-            2, np.dtype(packed.dtype.char.lower()))
-        # (the library reads what this process has where it packed it)
-        others = [real * (rank != comm.rank) for rank in range(comm.size)]
-        here = widths[comm.rank]
-        sent = ([mine * each * other for each, other in zip(widths, others)],
-                [real * mine * part.start for part in columns])
-        got = ([number * here * other for (_, number), other in zip(rows, others)],
-               [real * first * here for first, _ in rows])
-        self._exchanges = [([block.view(kind), sent], [field.reshape(-1).view(kind), got])
-                           for block, field in zip(packed, fields)]
+            parts=comm.size, own=own, rows=mine, place=rows[own][0], size=fields.itemsize,
+            first=self._first, here=address(fields), packed=address(packed), came=address(came))
+        self.structure.fields[:] = [array[0].nbytes for array in (fields, packed, came)]
+        real, kind = 1 if fields.dtype.kind == "f" else 2, fields.dtype.char.lower()
+        # of those after this process without what stays here
+        others = [(0 if rank == own else real, rank > own) for rank in range(comm.size)]
+        sent = ([mine * each * one for each, (one, _) in zip(widths, others)],
+                [real * mine * (part.start - here * after)
+                 for part, (_, after) in zip(columns, others)])
+        got = ([number * here * one for (_, number), (one, _) in zip(rows, others)],
+               [real * here * (first - mine * after)
+                for (first, _), (_, after) in zip(rows, others)])
+        self._exchanges = [([block.view(kind), sent], [rows_.view(kind), got])
+                           for block, rows_ in zip(packed, came)]
 
     def send(self):
         """Rows that are packed to columns."""
-        for packed, field in self._exchanges:
-            self._comm.Alltoallv(packed, field)
+        for packed, came in self._exchanges:
+            self._comm.Alltoallv(packed, came)
 
     def take(self):
         """Columns to rows that are packed."""
-        for packed, field in self._exchanges:
-            self._comm.Alltoallv(field, packed)
-
-
-def _set_lines(structure, lines, odd):
-    """Have a transform of the library be of lines, even or odd ones.
-
-    Parameters
-    ----------
-    structure : of the library
-    lines : Line or PairedLine of each direction
-    odd : array (fields, directions) of bool
-    """
-    for axis, line in enumerate(lines):
-        structure.line[axis] = line.structure
-        for field, signs in enumerate(odd):
-            structure.odd[field][axis] = signs[axis]
+        for packed, came in self._exchanges:
+            self._comm.Alltoallv(came, packed)
 
 
 class SlabFolded(OfLibrary):
-    """Products with symbols in single precision of even or odd fields that are shared out, by the
-    library (folded.c): two rows, of which each process has pairs, and two columns, are one of
-    complex numbers.
+    """Products with symbols of even or odd fields that are shared out, by the library (folded.c):
+    two rows, of which each process has pairs, and two columns, are one of complex numbers.
 
     Parameters
     ----------
     grid, shape, count, rows, parities : as of `SlabCosines`; the first row is of even number
+    single : bool, whether they are in single precision
 
     Attributes
     ----------
@@ -206,44 +197,44 @@ class SlabFolded(OfLibrary):
 
     fitting, spectral = Folded.fitting, None
 
-    def __init__(self, grid, shape, count, rows, parities=None):
+    def __init__(self, grid, shape, count, rows, parities, single):
         self.library, self._grid, self.shape = shared(), grid, tuple(shape)
         closed = closes(grid, shape)
         self.gain = gain_of(shape, closed)
-        self._cost = 2.0 * count * transform_cost(math.prod(shape), grid.counter.size), True
-        self._lines = [paired_line(points, one) for points, one in zip(shape, closed)]
-        self._lay_out(grid.comm, count, rows)
+        self._cost = 2.0 * count * transform_cost(math.prod(shape), grid.counter.size), single
+        self._lines = [paired_line(points, one, single) for points, one in zip(shape, closed)]
+        self._lay_out(grid.comm, count, rows, np.dtype(np.complex64 if single else complex))
         odd = np.zeros((count, 2), dtype=bool) if parities is None else np.array(parities) < 0
-        for own in (self.structure, self.spectral):
-            _set_lines(own, self._lines, odd)
+        for own, (axis, line) in product((self.structure, self.spectral), enumerate(self._lines)):
+            own.line[axis] = line.structure
+            for field, signs in enumerate(odd):
+                own.odd[field][axis] = signs[axis]
 
-    def _lay_out(self, comm, count, rows):
-        """Take memory, that of the transforms in double precision, and find what goes where.
+    def _lay_out(self, comm, count, rows, kind):
+        """Take memory, that of `SlabEvenReal`, and find what goes where.
 
         Parameters
         ----------
         comm, count, rows : communicator, number of fields, (first, number) of each process's rows
+        kind : type of complex numbers
         """
         if any(first % 2 for first, number in rows if number):
             raise ValueError("slabs of pairs begin with a row of even number")
-        pairs = [(first // 2, (number + 1) // 2) for first, number in rows]
-        columns, mine = share(self.shape[1], comm.rank, comm.size), pairs[comm.rank][1]
+        pairs, mine = _in_pairs(rows), rows[comm.rank][1]
+        columns, width = share(self.shape[1], comm.rank, comm.size), self.shape[1]
         points, here = self.shape[0] + self.shape[0] % 2, columns.stop - columns.start
-        sizes = [2 * mine * self.shape[1], points * here]
-        fields, packed = (self._grid.room((count, place), (count * max(sizes),), np.float32)
-                          for place in range(2))
-        self.block = pyfftw.zeros_aligned((count, COLUMNS // 2, points), dtype=np.complex64)
-        # (rows are sent before columns come)
+        number, aside = pairs[comm.rank][1], sum(_aside(comm, pairs, width))
+        fields, memory = (self._grid.room((count, place), size, kind)
+                          for place, size in enumerate(((count, number, width), (count * aside,))))
+        self.block = pyfftw.zeros_aligned((count, COLUMNS // 2, points), dtype=kind)
         self.structure, self.spectral = (structures.Transform(
-            count=count, even=1, single=1, packed=1, waves=self.shape[0] * (here + here % 2),
-            real=address(fields), block=address(self.block)) for _ in range(2))
-        self.structure.shape[:] = rows[comm.rank][1], self.shape[1]
+            count=count, even=1, single=self._cost[1], packed=1,
+            waves=self.shape[0] * (here + here % 2), real=address(fields),
+            block=address(self.block)) for _ in range(2))
+        self.structure.shape[:] = mine, width
         self.spectral.shape[:] = self.shape[0], here
-        self._used = max((first + number for first, number in rows if number), default=0)
-        self._shares = Shares(
-            comm, self.shape[1], pairs,
-            fields[:count * sizes[1]].view(np.complex64).reshape(count, -1),
-            packed[:count * sizes[0]].view(np.complex64).reshape(count, -1))
+        self._used = _used(rows)
+        self._shares = Shares(comm, pairs, fields, memory)
 
     def _multiply(self, response, symbol, transposed):
         """What stands in the rows times the symbols of a response, or others, in place.

@@ -78,8 +78,8 @@ class Shares(ctypes.Structure):
     """Rows of which processes get columns."""
 
     _fields_ = [("parts", c_long), ("own", c_long), ("rows", c_long), ("place", c_long),
-                ("field", c_long), ("size", c_long), ("first", POINTER(c_long)),
-                ("packed", c_void_p)]
+                ("size", c_long), ("first", POINTER(c_long)), ("here", c_void_p),
+                ("packed", c_void_p), ("came", c_void_p), ("fields", c_long * 3)]
 
 
 class Columns(ctypes.Structure):

@@ -157,7 +157,8 @@ int filter(Transform *t, const long *shape, const void *symbol)
 /* the symbol 1 / gain / (1 + C D) on a transform's waves, in its precision */
 void invert(const Transform *t, const double *compliance, double stiffness, double gain, void *symbol)
 {
-    if (t->packed) (t->even ? folded_invert : packed_invert)(t, compliance, stiffness, gain, symbol);
+    if (t->packed && t->even) folded_invert(t, compliance, stiffness, gain, symbol);
+    else if (t->packed) packed_invert(t, compliance, stiffness, gain, symbol);
     else IN_ITS_PRECISION(t, invert, t->waves, compliance, stiffness, gain, symbol);
 }
 
