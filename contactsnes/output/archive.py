@@ -161,7 +161,8 @@ class Archive:
         point = stored.Kept(self._layout.numbers(row), state, fields)
         # The first point of a run, or after a write that failed, shows whether the file can be
         # written.
-        large = sum(map(np.size, fields.values())) > LARGE or stored.has_parts(state)
+        large = sum(map(np.size, fields.values())) > LARGE or any(
+            map(stored.has_parts, (state, fields)))
         if not self._store.room or large:
             self.settle()
             self._store.put([self._with_fields(point, later)])

@@ -226,9 +226,9 @@ def packed(first, points):
     return {number: pack(number, point.state) for number, point in numbered}
 
 
-def has_parts(state):
-    """Whether processes have parts of an array of a state."""
-    return any(isinstance(value, Parted) for value in state.values())
+def has_parts(arrays):
+    """Whether processes have parts of an array of a mapping, as of a state."""
+    return any(isinstance(value, Parted) for value in arrays.values())
 
 
 def pack(point, state):

@@ -127,6 +127,18 @@ def test_another_number_of_processes_goes_on(sizes, alone, tmp_path):
 
 
 @together
+def test_fields_in_parts_are_kept_beside_states_that_one_process_has_as_a_whole(tmp_path):
+    """Of even states, as a quarter."""
+    done = command(2, "run", "-scene_dimension", "2", "-scene_geometry", "sphere",
+                   "-scene_points", "96", "-scene_period", "8", "-scene_normal_maugis", "2",
+                   "-load_start", "normal_displacement=0", "-load_path", "normal_displacement=0.4",
+                   "-archive_fields", "all", "-archive_file", "run.h5", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    archive = read(tmp_path / "run.h5")
+    assert archive.complete and archive.points > 1
+
+
+@together
 def test_an_archive_in_the_way_is_refused_once(tmp_path):
     (tmp_path / "run.h5").write_text("mine")
     done = command(2, "run", *PLANE, "-load_path", PATH, folder=tmp_path)
