@@ -15,9 +15,10 @@ def half_axis(m, axis):
 
 
 def eccentricity(m):
-    """sqrt(1 - (b/a)^2) of the longer half axis a and the shorter one b."""
-    shorter, longer = sorted((half_axis(m, 0), half_axis(m, 1)))
-    return math.sqrt(max(0.0, 1.0 - (shorter / longer) ** 2)) if longer > 0.0 else math.nan
+    """sqrt(1 - (b/a)^2) of the longer half axis a and the shorter one b; nan where one is none."""
+    axes = half_axis(m, 0), half_axis(m, 1)
+    longer = np.maximum(*axes)  # nan if either is
+    return math.sqrt(1.0 - (min(axes) / longer) ** 2) if longer > 0.0 else math.nan
 
 
 def slip_area(m):

@@ -100,6 +100,16 @@ def test_edges_and_fronts_of_a_line(line):
     assert seen > 2
 
 
+@pytest.mark.parametrize("axis", (0, 1))
+def test_what_goes_around_the_cell_has_no_eccentricity(axis):
+    """A cylinder along either direction."""
+    branch = Branch(Scene(dimension=2, points=32, period=12.0, normal_maugis=1.0),
+                    Load(path="normal_displacement=1"), geometry=lambda x, y: (x, y)[axis]**2 / 2)
+    row = branch.observe(next(iter(branch)))
+    assert math.isnan(row[f"half_axis_{'yx'[axis]}"]) and row[f"half_axis_{'xy'[axis]}"] > 1.0
+    assert math.isnan(row["eccentricity"])
+
+
 def test_some_names_are_all_that_is_computed(line, monkeypatch):
     """Columns that nobody takes cost nothing."""
     branch = Branch(Scene(points=64, period=20.0, normal_maugis=2.0),
