@@ -1,12 +1,14 @@
 """What speaks against a scene before it is solved, in sentences: a grid that is too coarse, more
-processes than it has rows, a displacement that is out of reach, heights that step at the seam of
-their cell, are in another unit or on a map of another size than given."""
+processes than it has rows, a displacement that is out of reach, a cell at whose edge the law acts,
+heights that step at the seam of theirs, are in another unit or on a map of another size than
+given."""
 
 import math
 
 import numpy as np
 
 from ..interface import shapes
+from ..interface.gap import at_edge
 from ..interface.own_shapes import jumps, proportions
 from ..scene import resolution
 from ..scene import settings as scenes
@@ -17,6 +19,8 @@ MANY = 10_000
 """Steps of a leg beyond which they are hardly meant."""
 OFF = 0.02
 """Part of a size by which that which a file tells may miss the one that is given."""
+BENT = 0.01
+"""Attraction at the edge of the cell, over the law's peak, from which on its bend there is told."""
 
 
 def cautions(settings, contact):
@@ -24,7 +28,8 @@ def cautions(settings, contact):
     sheared = any(scenes.tangential_legs(settings.scene, settings.load))
     sentence = resolution.resolution_warning(settings.scene, sheared)
     return (*((sentence,) if sentence else ()), *_idle(contact.grid),
-            *of_surface(settings.scene, contact.grid), *_depth(settings.load, contact),
+            *of_surface(settings.scene, contact.grid), *_bend(settings.load, contact),
+            *_depth(settings.load, contact),
             *_many_steps(settings.scene, settings.load, settings.steps))
 
 
@@ -35,15 +40,37 @@ def _idle(grid):
                f"{grid.comm.size} processes have none: these have nothing to do")
 
 
+def _farthest(scene, load):
+    """The largest normal displacement that is prescribed, u_n,r; -inf where none is."""
+    return max((value for control, value in (controls.get(0, ("", None)) for controls in (
+        scene.initial(load), *(leg.controls for leg in scene.legs(load))))
+        if control == "displacement" and value is not None), default=-math.inf)
+
+
+def _bend(load, contact):
+    """A sentence on bodies that the law still attracts where they meet their neighbours at an
+    angle: there tractions bend, and sums over nodes err by the square of the spacing."""
+    scene, shape, law = contact.scene, shapes.of(contact.scene), contact.law
+    if not load.path or contact.isolated or not shape.apart:
+        return
+    # beside the contact the surface lies below its mean
+    gap = at_edge(shape, contact) - contact.ranges[0] * max(_farthest(scene, load), 0.0)
+    beyond = np.linspace(min(max(gap, 0.0), law.range), law.range, 1001)
+    part = law.normal(beyond)[0].max() / law.normal_peak
+    if part > BENT:
+        yield (f"at the edge of the cell, where bodies meet their neighbours at an angle, the law "
+               f"attracts by up to {part:.2g} of its peak: errors fall as the square of the "
+               "spacing there, at which resolved does not look; -archive_errors estimates them, a "
+               "longer -scene_period is without them")
+
+
 def _depth(load, contact):
     """A sentence on normal displacements that press the mean surface of a cell, which they are
     those of, deeper into the flat than the law is followed at its deepest node."""
     if not load.path or contact.isolated or contact.body.rigid_compliance[0]:
         return
     scene, deepest = contact.scene, contact.law.deepest
-    reached = max((value for control, value in (controls.get(0, ("", None)) for controls in (
-        scene.initial(load), *(leg.controls for leg in scene.legs(load))))
-        if control == "displacement" and value is not None), default=-math.inf)
+    reached = _farthest(scene, load)
     possible = contact.grid.mean(contact.initial_gap.ravel()) - deepest
     if reached * contact.ranges[0] > possible:
         yield (f"normal_displacement {scene.short(reached, 'u_n,r')} is out of reach: body and "

@@ -144,14 +144,20 @@ def over_nodes(what, values, scene):
     return values
 
 
+def at_edge(shape, contact):
+    """Smallest initial gap at the edge of the cell, delta_n, where bodies meet their neighbours;
+    inf along what nothing varies along."""
+    grid, gap = contact.grid, contact.initial_gap
+    return min((grid.minimum(grid.edge(gap, axis)) for axis in range(gap.ndim)
+                if axis not in shape.uniform), default=np.inf)
+
+
 def refuse_contact_at_edge(shape, contact):
     """InputError for a body that is to stay apart from its neighbours and is in contact at the edge
     of its cell, where they meet."""
-    scene, gap = contact.scene, contact.initial_gap
-    smallest = min((contact.grid.minimum(contact.grid.edge(gap, axis)) for axis in range(gap.ndim)
-                    if axis not in shape.uniform), default=np.inf)
+    scene = contact.scene
     # a period that is just allowed is so to rounding
-    if shape.apart and smallest < scene.contact_threshold * (1.0 - 1e-12):
+    if shape.apart and at_edge(shape, contact) < scene.contact_threshold * (1.0 - 1e-12):
         raise InputError(f"-scene_period is '{as_text(scene.as_typed('period'))}': the "
                          f"{scene.geometry} body would be in contact up to the edge "
                          f"of the cell; {shape.too_near()}")

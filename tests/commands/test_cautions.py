@@ -1,10 +1,12 @@
-"""What speaks against a scene before it is solved: displacements that are out of reach."""
+"""What speaks against a scene before it is solved: displacements that are out of reach, cells at
+whose edge the law acts."""
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
-from contactsnes import Contact, Load, Scene, Steps
+from contactsnes import Branch, Contact, Load, Scene, Steps
 from contactsnes.commands.cautions import cautions
 
 SI = dict(units="si", work_of_adhesion_normal=0.03, work_of_adhesion_tangential=0.03,
@@ -12,11 +14,11 @@ SI = dict(units="si", work_of_adhesion_normal=0.03, work_of_adhesion_tangential=
           period=0.006, height=0.2, points=1024)
 
 
-def told(scene, **load):
-    """Sentences on the loads of a scene."""
+def told(scene, words="out of reach", **load):
+    """Sentences on a scene and its loads that have these words."""
     return [sentence for sentence in cautions(
         SimpleNamespace(scene=scene, load=Load(**load), steps=Steps()), Contact(scene))
-        if "out of reach" in sentence]
+        if words in sentence]
 
 
 @pytest.mark.parametrize("law, deepest", [("modified", 30.0), ("dugdale", 3.0)])
@@ -68,3 +70,21 @@ def test_steps_that_come_to_no_end_are_told(largest, told):
     sentences = [sentence for sentence in cautions(settings, Contact(scene)) if "steps" in sentence]
     assert len(sentences) == bool(told) and all(told in sentence for sentence in sentences)
     assert all("-continuation_largest_step is 1e-" in sentence for sentence in sentences)
+
+
+@pytest.mark.parametrize("period, order", [(6.0, 2.0), (12.0, None)])
+def test_where_the_law_acts_at_the_edge_of_the_cell_it_is_told(period, order):
+    """There x^2/2 bends: the force converges with the square of the spacing, else exponentially.
+    The undeformed edge is (L/2)^2/2 above the flat, less what it is pressed by."""
+    load = {"start": "normal_displacement=1.2", "path": "normal_displacement=1.2"}
+    forces = [next(iter(Branch(Scene(points=points, period=period, normal_maugis=1.5, height=500.0),
+                               Load(**load)))).forces[0] for points in (64, 128, 256)]
+    first, second = np.abs(np.diff(forces))
+    sentences = told(Scene(points=64, period=period, normal_maugis=1.5), "edge of the cell", **load)
+    if order is None:
+        assert first < 1e-7 and not sentences
+        return
+    assert np.log2(first / second) == pytest.approx(order, abs=0.1) and first > 1e-4
+    gap = 1.5 * (period ** 2 / 8 - 1.2)
+    (sentence,) = sentences
+    assert f"up to {gap * np.exp(1 - gap):.2g} of its peak" in sentence
