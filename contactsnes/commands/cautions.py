@@ -60,8 +60,8 @@ def _bend(load, contact):
     if part > BENT:
         yield (f"at the edge of the cell, where bodies meet their neighbours at an angle, the law "
                f"attracts by up to {part:.2g} of its peak: errors fall as the square of the "
-               "spacing there, at which resolved does not look; -archive_errors estimates them, a "
-               "longer -scene_period is without them")
+               "spacing there, and no mark of points tells of them; -archive_errors estimates "
+               "them, a longer -scene_period is without them")
 
 
 def _depth(load, contact):

@@ -265,10 +265,10 @@ def compared(verdict, name, base, other, finished):
     resolved, stable = (all(story.known(column) for story in (base, other))
                         for column in ("resolved", "stable"))
     finer = name == "twice the points"
-    # On one grid a jump of few nodes (resolved 0) is the same jump; what only a warning covers are
-    # grids too coarse for the law.
-    told = finer and not resolved or any("resolve" in story.path.warnings
-                                         for story in (base, other))
+    # On one grid a jump of few nodes (resolved 0) is the same jump, and so is a bend at the edge of
+    # the cell; what only a warning covers besides are grids too coarse for the law.
+    warnings = base.path.warnings + other.path.warnings
+    told = finer and (not resolved or "edge of the cell" in warnings) or "resolve" in warnings
     precise = all(np.max(story.path.get("fold_precision", [0.0])) <= 1e-6
                   for story in (base, other))
     kind = "unresolved" if told or not precise else "silent" if stable else "unstable"
