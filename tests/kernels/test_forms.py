@@ -14,10 +14,13 @@ from contactsnes.contact.problem import Contact
 from contactsnes.grid.active import Nodes
 from contactsnes.grid.boxes import Spots
 from contactsnes.grid.cell import Grid
+from contactsnes.grid.counter import Counter
 from contactsnes.grid.even import EvenWindow
 from contactsnes.grid.windows import Window
 from contactsnes.kernels import library
 from contactsnes.kernels.choice import chosen
+from contactsnes.kernels.forms import call
+from contactsnes.kernels.structures import TOO_MANY
 from contactsnes.kernels.zones import CompiledZone
 from contactsnes.scene.settings import Scene
 from contactsnes.solvers.core_zone import CoreOptions, CoreZone
@@ -432,3 +435,18 @@ def test_large_transforms_of_other_shapes_work_on_the_same_memory(even, wide, na
             # pairs of rows need one more where their number is odd
             assert made.room.size == 2 * math.ceil(shape[0] / 2) * shape[1]
             assert np.shares_memory(made.room, made.real)
+
+
+def test_no_status_of_the_library_is_passed_over():
+    counter = Counter(64)
+    counter.limit = 1.0
+
+    def stopping(status):
+        counter.numbers[0] = 2.0 * (status == TOO_MANY)
+        return status
+
+    assert call(stopping, counter, 0) is None
+    with pytest.raises(RuntimeError, match="transforms"):
+        call(stopping, counter, TOO_MANY)
+    with pytest.raises(RuntimeError, match="stopping failed with status 76"):
+        call(stopping, counter, 76)
