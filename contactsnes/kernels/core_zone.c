@@ -489,16 +489,16 @@ static int apply_block_in_single(const Zone *z, Block *b, const float *field, fl
     if (b->apart) return apply_patched_in_single(z, b, t, field, out);
     for (long j = 0; j < e[0]; j++) {
         const float *x = field + (b->first[0] + j) * c + left;
-        for (long k = 0; k < e[1]; k++) row[k] = x[k];
+        widen(x, row, e[1]);
         put_row(t, 0, j, 0, b->into + j * e[1], row, e[1]);
     }
     if ((status = filter(t, e, b->circle->symbol))) return status;
     memcpy(out, field, nodes_of_box(z->form) * sizeof *out);
     for (long j = 0; j < e[0]; j++) {
         float *y = out + (b->first[0] + j) * c + left;
-        for (long k = 0; k < e[1]; k++) row[k] = y[k];
+        widen(y, row, e[1]);
         blend_row(t, 0, j, b->into + j * e[1], b->back + j * e[1], row, row, e[1]);
-        for (long k = 0; k < e[1]; k++) y[k] = row[k];
+        narrow(row, y, e[1]);
     }
     return 0;
 }

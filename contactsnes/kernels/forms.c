@@ -137,12 +137,13 @@ static void fill_stiffened(const Form *f, const void *vector, long at, long n, d
     stiffen(f, (const double *)vector + at, f->nodes, at, n, part);
 }
 
-CLONES static void widen(const float *restrict x, double *restrict out, long n)
+/* numbers in single precision in double, and back */
+CLONES void widen(const float *restrict x, double *restrict out, long n)
 {
     for (long k = 0; k < n; k++) out[k] = x[k];
 }
 
-CLONES static void narrow(const double *restrict x, float *restrict out, long n)
+CLONES void narrow(const double *restrict x, float *restrict out, long n)
 {
     for (long k = 0; k < n; k++) out[k] = x[k];
 }
@@ -276,21 +277,30 @@ void begin_product(Form *f, const double *vector, double *sum)
     put(f, chosen(f), vector, fill_stiffened, sum);
 }
 
+/* Means of a product by the sums of what the law answers, and a vector's scalars. */
+static void means_of(const Form *f, const double *sum, const double *scalars, double *mean)
+{
+    for (long i = 0; i < f->components; i++) mean[i] = -f->rigid[i] * sum[i] / f->size;
+    for (long row = 0; row < f->forced_count; row++) mean[f->forced[row]] = scalars[row] / f->root;
+}
+
+/* The row of a force in a product. */
+static double force_row(const Form *f, long row, const double *sum, const double *scalars)
+{
+    const long i = f->forced[row];
+    return f->row_scale[i] * (sum[i] * f->root + f->drag[i] * scalars[row]);
+}
+
 int product(Form *f, const double *vector, double *out)
 {
-    const long n = f->nodes, m = f->components;
+    const long count = f->components * f->nodes;
     double sum[MOST], mean[MOST];
     begin_product(f, vector, sum);
     int status = convolve(chosen(f), 0);
     if (status) return status;
-    for (long i = 0; i < m; i++) mean[i] = -f->rigid[i] * sum[i] / f->size;
-    for (long row = 0; row < f->forced_count; row++)
-        mean[f->forced[row]] = vector[m * n + row] / f->root;
+    means_of(f, sum, vector + count, mean);
     assemble(f, chosen(f), mean, 1.0, vector, out);
-    for (long row = 0; row < f->forced_count; row++) {
-        const long i = f->forced[row];
-        out[m * n + row] = f->row_scale[i] * (sum[i] * f->root + f->drag[i] * vector[m * n + row]);
-    }
+    for (long row = 0; row < f->forced_count; row++) out[count + row] = force_row(f, row, sum, vector + count);
     return 0;
 }
 
@@ -298,26 +308,21 @@ int product(Form *f, const double *vector, double *out)
 int product_in_single(Form *f, const float *vector, float *out)
 {
     const long n = f->nodes, m = f->components, rows = f->response->shape[0], c = f->response->shape[1];
-    double sum[MOST], row[c];
+    double sum[MOST], mean[MOST], scalars[MOST], row[c];
     f->products++;
     put(f, chosen(f), vector, fill_stiffened_in_single, sum);
     int status = convolve(chosen(f), 0);
     if (status) return status;
-    for (long i = 0; i < m; i++) {
-        double mean = -f->rigid[i] * sum[i] / f->size;
-        for (long k = 0; k < f->forced_count; k++)
-            if (f->forced[k] == i) mean = vector[m * n + k] / f->root;
+    widen(vector + m * n, scalars, f->forced_count);
+    means_of(f, sum, scalars, mean);
+    for (long i = 0; i < m; i++)
         for (long j = 0; j < rows; j++) {
             const long at = i * n + j * c;
             widen(vector + at, row, c);
-            take_row(chosen(f)->transform, i, j, mean, 1.0, f->scale ? f->scale + j * c : 0, row, row, c);
+            take_row(chosen(f)->transform, i, j, mean[i], 1.0, f->scale ? f->scale + j * c : 0, row, row, c);
             narrow(row, out + at, c);
         }
-    }
-    for (long k = 0; k < f->forced_count; k++) {
-        const long i = f->forced[k];
-        out[m * n + k] = f->row_scale[i] * (sum[i] * f->root + f->drag[i] * vector[m * n + k]);
-    }
+    for (long k = 0; k < f->forced_count; k++) out[m * n + k] = force_row(f, k, sum, scalars);
     return 0;
 }
 

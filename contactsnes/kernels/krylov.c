@@ -37,11 +37,6 @@ PRODUCTS(float, double, dot_floats, add_floats)
 PRODUCTS(short, float, dot_shorts, add_shorts)
 PRODUCTS(float, float, dot_singles, add_singles)
 
-CLONES static void narrow(long n, const double *restrict v, float *restrict out)
-{
-    for (long i = 0; i < n; i++) out[i] = v[i];
-}
-
 CLONES static void add_narrow(long n, const float *restrict x, double *restrict v)
 {
     for (long i = 0; i < n; i++) v[i] += x[i];
@@ -79,7 +74,7 @@ void inner_products(long count, long size, const void *const *rows, const double
         const long n = size - from < PIECE ? size - from : PIECE;
         const double *v = vector + from;
         float narrowed[PIECE];
-        if (scales) narrow(n, v, narrowed);
+        if (scales) narrow(v, narrowed, n);
         for (long k = 0; k < count; k += AT_ONCE) {
             const void *at[AT_ONCE];
             double sums[AT_ONCE];
@@ -174,6 +169,20 @@ static void products_in_single(long count, long size, const void *const *rows, c
     }
 }
 
+/* A piece of a vector += sign times the sum over k of factors[k] times row k. */
+static void add_in_single(long count, long from, long n, const void *const *rows, const double *const *scales,
+                          double sign, const double *factors, float *piece)
+{
+    for (long k = 0; k < count; k += AT_ONCE) {
+        const void *at[AT_ONCE];
+        double own[AT_ONCE] = {0.0};
+        places(rows, k, count, from, scales != 0, at);
+        for (long j = k; j < count && j < k + AT_ONCE; j++) own[j - k] = sign * factors[j] * scale_of(scales, j, from);
+        if (scales) add_shorts(n, at[0], at[1], at[2], at[3], own, piece);
+        else add_singles(n, at[0], at[1], at[2], at[3], own, piece);
+    }
+}
+
 /* vector -= sum over k of factors[k] times row k; its length then */
 static double subtract_in_single(long count, long size, const void *const *rows, const double *const *scales,
                                  const double *factors, float *vector)
@@ -181,14 +190,7 @@ static double subtract_in_single(long count, long size, const void *const *rows,
     double found = 0.0;
     for (long from = 0; from < size; from += PIECE) {
         const long n = size - from < PIECE ? size - from : PIECE;
-        for (long k = 0; k < count; k += AT_ONCE) {
-            const void *at[AT_ONCE];
-            double own[AT_ONCE] = {0.0};
-            places(rows, k, count, from, scales != 0, at);
-            for (long j = k; j < count && j < k + AT_ONCE; j++) own[j - k] = -factors[j] * scale_of(scales, j, from);
-            if (scales) add_shorts(n, at[0], at[1], at[2], at[3], own, vector + from);
-            else add_singles(n, at[0], at[1], at[2], at[3], own, vector + from);
-        }
+        add_in_single(count, from, n, rows, scales, -1.0, factors, vector + from);
         found += square_in_single(n, vector + from);
     }
     return sqrt(found);
@@ -263,7 +265,7 @@ void narrowed(long size, const double *vector, double *out)
     float piece[PIECE];
     for (long from = 0; from < size; from += PIECE) {
         const long n = size - from < PIECE ? size - from : PIECE;
-        narrow(n, vector + from, piece);
+        narrow(vector + from, piece, n);
         memcpy((float *)out + from, piece, n * sizeof *piece);
     }
 }
@@ -276,7 +278,7 @@ static void widened(long size, double *vector)
         const long n = end % PIECE ? end % PIECE : PIECE;
         end -= n;
         memcpy(piece, (float *)vector + end, n * sizeof *piece);
-        for (long i = 0; i < n; i++) vector[end + i] = piece[i];
+        widen(piece, vector + end, n);
     }
 }
 
@@ -290,14 +292,7 @@ int sum_up(System *s, long count, long size, const void *const *rows, const doub
     for (long from = 0; from < size; from += PIECE) {
         const long n = size - from < PIECE ? size - from : PIECE;
         float piece[PIECE] = {0.0f};
-        for (long k = 0; k < count; k += AT_ONCE) {
-            const void *at[AT_ONCE];
-            double own[AT_ONCE] = {0.0};
-            places(rows, k, count, from, scales != 0, at);
-            for (long j = k; j < count && j < k + AT_ONCE; j++) own[j - k] = factors[j] * scale_of(scales, j, from);
-            if (scales) add_shorts(n, at[0], at[1], at[2], at[3], own, piece);
-            else add_singles(n, at[0], at[1], at[2], at[3], own, piece);
-        }
+        add_in_single(count, from, n, rows, scales, 1.0, factors, piece);
         memcpy(sum + from, piece, n * sizeof *piece);
     }
     if (!status && asks) status = precondition_in_single(s->zone, vector, (float *)out);
