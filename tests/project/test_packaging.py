@@ -2,6 +2,7 @@
 options/ along."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -76,6 +77,16 @@ def test_distributions_bring_modules_and_scenes_along(unpacked, tmp_path):
     assert scenes >= SCENES and MODULES <= names
     others = {name.split("/")[0] for name in names} - {"contactsnes"}
     assert [name for name in others if not name.endswith(".dist-info")] == []
+
+
+def test_the_oldest_python_is_the_same_for_all_tools():
+    """What pip demands, what the set-up takes, and what the check of style takes for granted."""
+    asked = re.search(r"^python_requires = >=3\.(\d+)$", (ROOT / "setup.cfg").read_text(), re.M)[1]
+    taken = (ROOT / "scripts" / "setup").read_text()
+    assert f'target-version = "py3{asked}"' in (ROOT / "pyproject.toml").read_text()
+    assert f"sys.version_info >= (3, {asked})" in taken
+    assert f"PYTHON names no Python 3.{asked} or newer" in taken
+    assert re.search(r"python3\.\{[\d,]*," + asked + r"\}", taken)
 
 
 @pytest.mark.slow
