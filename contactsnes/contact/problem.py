@@ -75,7 +75,7 @@ class Contact:
     def __init__(self, scene, heights=None, counter=None, *, gap=None, law=None, grid=None,
                  geometry=None, body=None, kernels=None):
         scene = with_parts(of_class("scene", scene, Scene), law, geometry, body)
-        self.scene = scene if heights is None else _of_heights(scene, np.asarray(heights))
+        self.scene = scene if heights is None else _of_heights(scene, heights)
         self.grid = Grid(scene.shape, scene.periods, counter) if grid is None else grid
         self.ranges = np.array(scene.ranges)
         self._signs = np.array([-1.0] + [1.0] * (len(self.ranges) - 1))

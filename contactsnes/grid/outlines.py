@@ -39,8 +39,9 @@ class Outline(NamedTuple):
 
     def centroid(self, axis):
         """Centroid of the inside along a direction, beta; nan as for `extent`. On a plane by
-        Green's theorem: A x = closed integral of x^2/2 dy."""
-        if not len(self.ends) or any(self.around):
+        Green's theorem: A x = closed integral of x^2/2 dy, to which borders along x add nothing: a
+        band around the cell along y has one along x."""
+        if not len(self.ends) or self.around[axis]:
             return np.nan
         first, last = self.ends[:, 0], self.ends[:, 1]
         if self.ends.shape[-1] == 1:

@@ -33,7 +33,7 @@ def evaluated(shape, coordinates, scene):
     named = f"{scene.option_name('geometry')} is '{scene.geometry}'"
     try:
         with np.errstate(all="ignore"):
-            gap = np.asarray(shape.gap(coordinates, scene))
+            gap = without_mask(shape.gap(coordinates, scene))
     except (InputError, OSError, MemoryError):
         raise
     except (Exception, SystemExit) as error:
@@ -64,6 +64,13 @@ def by_rows(shape, grid, scene):
         raise InputError(f"{scene.option_name('geometry')} is '{scene.geometry}': the gap is up to "
                          f"{largest:g}; it has to be at most {LARGEST:g} in size")
     return gap
+
+
+def without_mask(values):
+    """Values as an array that is not masked, nan where they were: what is missing is no number."""
+    if np.ma.is_masked(values):
+        values = np.ma.filled(np.ma.asarray(values, dtype=float), np.nan)
+    return np.asarray(values)
 
 
 def _on_nodes(named, gap, nodes):
@@ -135,7 +142,7 @@ def over_nodes(what, values, scene):
     values : array_like
     scene : Scene
     """
-    values = np.asarray(values)
+    values = without_mask(values)
     if values.shape != scene.shape:
         raise InputError(f"the {what} the shape {values.shape}, the grid has {scene.shape}: give "
                          "one number for each node, or -scene_points and -scene_dimension that fit")

@@ -1,11 +1,16 @@
 """What laws of one's own declare: its kinds, and whether it is what their tractions have."""
 
+import itertools
 from numbers import Real
 
 import numpy as np
 
 from ..options.fields import InputError
+from .law_places import ALIKE, STEP, beside, places, refuse
 from .laws.law import Law
+
+APART = 1e-4
+"""Potential at the end of the range, over that at no gap, that counts as none."""
 
 
 def check_kinds(law, name):
@@ -67,3 +72,60 @@ def check_stiffnesses(law, name):
         raise InputError(f"the law {name} has a coupled_softening of {claimed:.6g} at Maugis "
                          f"parameters of 1, but its tractions give {found:.6g}: mend it, or take "
                          "the sampled one, coupled_softening = Law.coupled_softening")
+
+
+def check_potential(law, name):
+    """InputError where the gradient of a law's potential is not its traction, whatever the ratio
+    of the works, or where it is not zero at the end of the range; where it says that there is
+    none, nothing is."""
+    normal = places(law, 1)
+    slips = beside((0.2, 0.9, 3.0), law.slip_corners)
+    parts = [np.array([(a, *(b * turn)) for a in beside(gaps, law.gap_corners) for b in slips]).T
+             for turn in (np.ones(1), np.array([-0.6, 0.8])) for gaps in ((-3.0, -0.4), (0.7, 2.5))]
+    for gaps in (normal[:, normal[0] > law.deepest + 0.5], *parts):
+        for work_ratio, j in itertools.product((1.0, 3.0), range(len(gaps))):
+            _check_gradient(law, name, gaps, work_ratio, j)
+    ends = _potential(law, name, np.array([[0.0, law.range]]), 1.0)
+    if ends is not None and not abs(ends[1]) <= APART * abs(ends[0] - ends[1]):
+        raise InputError(f"the law {name} has the potential {ends[1]:.6g} at the normal gap "
+                         f"{law.range:g} without slip, the end of the range: it has to be 0 where "
+                         "the surfaces are apart; subtract it from all of the potential")
+
+
+def _check_gradient(law, name, gaps, work_ratio, j):
+    """InputError where differences of a law's potential along a component are not its traction.
+
+    Parameters
+    ----------
+    law, name : Law, str
+    gaps : array (components, places)
+    work_ratio : phi_t / phi_n
+    j : number of the component
+    """
+    step = np.zeros((len(gaps), 1))
+    step[j] = STEP
+    ends = [_potential(law, name, gaps + sign * step, work_ratio) for sign in (1, -1)]
+    if any(end is None for end in ends):
+        return
+    found = (ends[0] - ends[1]) / (2 * STEP)
+    meant = law.traction(gaps)[j] * (work_ratio if j else 1.0)
+    rounding = np.maximum(*np.abs(ends)) * 1e-15 / STEP
+    times = f" times the work_ratio {work_ratio:g}" if j and work_ratio != 1.0 else ""
+    refuse(name, gaps, f"differences of its potential along g_{j} are not its traction{times} "
+           "(a law without one has potential() return None)",
+           ~(np.abs(found - meant) <= ALIKE * np.abs(meant) + 1e-7 + 10 * rounding)[None],
+           found[None], meant[None])
+
+
+def _potential(law, name, gaps, work_ratio):
+    """A law's potential; InputError where it cannot be evaluated.
+
+    Parameters
+    ----------
+    law, name, gaps, work_ratio : as of `_check_gradient`
+    """
+    try:
+        return law.potential(gaps, work_ratio)
+    except Exception as error:
+        raise InputError(f"the law {name} has a potential(gap, work_ratio) that cannot be "
+                         f"evaluated ({type(error).__name__}: {error}); mend it") from error

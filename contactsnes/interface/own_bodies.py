@@ -48,6 +48,7 @@ def check_own(body, scene):
     with _evaluated(named):
         compliance, stiffness = body.surface(q), body.surface_stiffness(q)
         _check_surface(compliance, stiffness, q, named)
+        _check_each_alone(body, scene, compliance, q, named)
         _check_rigid(body, compliance, q, named)
         _check_claims(body, scene, compliance, q, named)
 
@@ -79,8 +80,7 @@ def _check_surface(c, m, q, named):
             raise InputError(f"{named}: its {words} compliance is complex: give real numbers (the "
                              "factor i between normal and tangential directions is put in later)")
     if np.shape(c.normal) != q.shape:
-        raise InputError(f"{named}: its normal compliance has the shape {np.shape(c.normal)}, the "
-                         f"wave numbers have {q.shape}: give one value for each")
+        raise InputError(_misshapen(named, "normal", c.normal, q))
     for words, values in (("its normal compliance", c.normal),
                           ("its transverse compliance", c.transverse),
                           ("the determinant of its normal and longitudinal compliance",
@@ -93,6 +93,43 @@ def _check_surface(c, m, q, named):
             ("transverse", c.transverse * m.transverse)):
         _refuse(f"{named}: its {words} stiffness times its compliance", q, values,
                 ~(np.abs(values - 1) < ALIKE), "1")
+
+
+def _misshapen(named, words, values, q):
+    """A sentence on compliances that are not one for each wave number.
+
+    Parameters
+    ----------
+    named, words : str, of the body and of the compliances
+    values, q : arrays
+    """
+    return (f"{named}: its {words} compliance has the shape {np.shape(values)}, the wave numbers "
+            f"have {q.shape}: give one value for each")
+
+
+def _check_each_alone(body, scene, c, q, named):
+    """InputError where a compliance hangs on more than its own wave number, or is not one for each
+    of an array as the grid has it.
+
+    Parameters
+    ----------
+    body : Body
+    scene : Scene
+    c : Surface, its compliance
+    q : array, wave numbers, 1/beta
+    named : str
+    """
+    some = q[-2::-2]
+    if scene.dimension == 2:
+        some = some[:len(some) // 2 * 2].reshape(2, -1)
+    for words, values, others in zip(Surface._fields, body.surface(some.copy()), c):
+        if np.shape(values) not in ((), some.shape):
+            raise InputError(_misshapen(named, words, values, some))
+        values = np.broadcast_to(values, some.shape).ravel()
+        others = np.broadcast_to(others, q.shape)[-2::-2][:some.size]
+        _refuse(f"{named}: its {words} compliance, of fewer wave numbers in another order,",
+                some.ravel(), values, ~(np.abs(values - others) <= ALIKE * np.abs(others)),
+                "what it is among all of them: each hangs on its own wave number alone")
 
 
 def _check_rigid(body, c, q, named):

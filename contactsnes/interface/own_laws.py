@@ -7,12 +7,8 @@ import numpy as np
 from ..options.fields import InputError
 from . import law_claims
 from .formula import NORMAL, SHEARED, Tractions
+from .law_places import ALIKE, STEP, in_words, places, refuse
 from .program import fault
-
-STEP = 1e-5
-"""Step of the differences, ranges of the law."""
-ALIKE = 1e-4
-"""Difference of tangents, over the largest entry at the place, up to which they are alike."""
 
 
 def check(law, name, in_file=True):
@@ -41,7 +37,7 @@ def check(law, name, in_file=True):
         _check_jumps(law, name, lines)
         law_claims.check_sizes(law, name)
         law_claims.check_stiffnesses(law, name)
-        _check_potential(law, name)
+        law_claims.check_potential(law, name)
 
 
 def _check_formula(law, name):
@@ -58,16 +54,16 @@ def _check_formula(law, name):
     for results, values in ((NORMAL, (a,)), (SHEARED, (a, b * b))):
         found = fault(made.program(results is SHEARED, False, True), *values)
         if found:
-            place = _place((found.values[0], *np.sqrt(found.values[1:])))
+            place = in_words((found.values[0], *np.sqrt(found.values[1:])))
             of = ", ".join(f"{value:.6g}" for value in found.arguments)
             raise InputError(f"the law {name} has no finite {results[found.result]} at {place}: "
                              f"{found.operation} has the arguments {of}; choose by np.where "
                              "what holds there")
     plain = np.array([np.broadcast_to(value, a.shape) for value in law.tractions(a, b)])
     told = np.array(made.program(True, False, False).run(a, b * b))
-    _refuse(name, np.array([a, b]), "tractions(a, b) gives other values when it is called again, "
-            "or depends on more than the nodes' own gap and slip",
-            ~np.isclose(plain, told, rtol=1e-9, atol=1e-12), plain, told)
+    refuse(name, np.array([a, b]), "tractions(a, b) gives other values when it is called again, "
+           "or depends on more than the nodes' own gap and slip",
+           ~np.isclose(plain, told, rtol=1e-9, atol=1e-12), plain, told)
 
 
 def _check_tangent(law, name):
@@ -88,19 +84,24 @@ def _check_tangent(law, name):
                              f"{components} component(s) ({type(error).__name__}: "
                              f"{error}); mend it") from error
         _compare(name, gaps, tangent, differences)
-        _refuse(name, gaps,
-                "the traction is another where it is written over the gap (traction is gap)",
-                ~np.isclose(alone, traction, rtol=1e-12, atol=1e-300), alone, traction)
+        refuse(name, gaps,
+               "the traction is another where it is written over the gap (traction is gap)",
+               ~np.isclose(alone, traction, rtol=1e-12, atol=1e-300), alone, traction)
+        some = gaps[:, -2::-2].copy()
+        refuse(name, some, "the traction hangs on more than a node's own gap and slip: it is "
+               "another among fewer nodes in another order",
+               ~np.isclose(law.traction(some), traction[:, -2::-2], rtol=1e-9, atol=1e-12),
+               law.traction(some), traction[:, -2::-2])
         still = (np.linalg.norm(gaps[1:], axis=0) == 0.0)[None]
-        _refuse(name, gaps,
-                "without slip the normal traction is another than that of one component",
-                still & ~np.isclose(traction[:1], kept, rtol=1e-9, atol=1e-12), traction[:1],
-                kept[None])
+        refuse(name, gaps,
+               "without slip the normal traction is another than that of one component",
+               still & ~np.isclose(traction[:1], kept, rtol=1e-9, atol=1e-12), traction[:1],
+               kept[None])
         if law.odd and components > 1:
             mirror = np.array([1.0] + [-1.0] * (components - 1))[:, None]
-            _refuse(name, gaps, "tractions are not odd in slip, as it declares (odd = True)",
-                    ~np.isclose(law.traction(mirror * gaps), mirror * traction, rtol=1e-9,
-                                atol=1e-12), law.traction(mirror * gaps), mirror * traction)
+            refuse(name, gaps, "tractions are not odd in slip, as it declares (odd = True)",
+                   ~np.isclose(law.traction(mirror * gaps), mirror * traction, rtol=1e-9,
+                               atol=1e-12), law.traction(mirror * gaps), mirror * traction)
 
 
 def _check_signs(law, name, in_file):
@@ -151,7 +152,7 @@ def _check_finite(lines, name):
         if wrong.any():
             place = np.flatnonzero(wrong.any(axis=0))[0]
             what = "traction" if wrong[:2, place].any() else "tangent"
-            raise InputError(f"the law {name} has no finite {what} at {_place(line[:, place])}; "
+            raise InputError(f"the law {name} has no finite {what} at {in_words(line[:, place])}; "
                              "mend it")
 
 
@@ -186,53 +187,7 @@ def _refuse_jump(law, name, i, low, high):
     jump = abs(law.traction(high)[i, 0] - law.traction(low)[i, 0])
     if jump > 0.5 * abs(start[1] - start[0]) and jump > 1e-6:
         raise InputError(f"the law {name} has a traction t_{i} that jumps by {jump:.6g} at "
-                         f"{_place(high[:, 0])}; tractions have to be continuous")
-
-
-def _check_potential(law, name):
-    """InputError where the gradient of a law's potential is not its traction; where it says that
-    there is none, nothing is."""
-    normal = places(law, 1)
-    pressed = np.array([*itertools.product(_beside((-3.0, -0.4), law.gap_corners),
-                                           _beside((0.2, 0.9, 3.0), law.slip_corners))]).T
-    for gaps in (normal[:, normal[0] > law.deepest + 0.5], pressed):
-        for j in range(len(gaps)):
-            step = np.zeros((len(gaps), 1))
-            step[j] = STEP
-            try:
-                ends = [law.potential(gaps + sign * step, 1.0) for sign in (1, -1)]
-            except Exception as error:
-                raise InputError(f"the law {name} has a potential(gap, work_ratio) that cannot be "
-                                 f"evaluated ({type(error).__name__}: {error}); mend it") from error
-            if any(end is None for end in ends):
-                continue
-            found, meant = (ends[0] - ends[1]) / (2 * STEP), law.traction(gaps)[j]
-            rounding = np.maximum(*np.abs(ends)) * 1e-15 / STEP
-            _refuse(name, gaps, f"differences of its potential along g_{j} are not its traction "
-                    "(a law without one has potential() return None)",
-                    ~(np.abs(found - meant) <= ALIKE * np.abs(meant) + 1e-7 + 10 * rounding)[None],
-                    found[None], meant[None])
-
-
-def places(law, components):
-    """Gaps (components, places) at which laws are looked at, none of them within two steps of a
-    corner."""
-    aside = [side * 3 * STEP for side in (-1, 1)]
-    beyond = [law.deepest - 1.0, law.deepest + 1.0, law.range - 0.5]
-    normal = [*_beside((*beyond, -3.0, -0.4, *aside, 0.7, 1.0, 2.5, 6.0), law.gap_corners),
-              *(c + s for c in law.gap_corners for s in aside)]
-    if components == 1:
-        return np.array([normal])
-    slips = [0.0, *_beside((3 * STEP, 0.2, 0.9, 1.0, 3.0), law.slip_corners),
-             *(c + s for c in law.slip_corners for s in aside if c + s > 0.0)]
-    turns = np.array([[1.0], [-1.0]]) if components == 2 else np.array([[1.0, 0.0], [-0.6, 0.8]])
-    return np.array([[a, *(b * turn)] for a, b, turn in itertools.product(normal, slips, turns)]).T
-
-
-def _beside(wanted, corners):
-    """Places that are wanted, those at a corner moved a little."""
-    return [place + 0.03 * any(abs(place - corner) < 2.5 * STEP for corner in corners)
-            for place in wanted]
+                         f"{in_words(high[:, 0])}; tractions have to be continuous")
 
 
 def _differences(law, gaps):
@@ -253,22 +208,8 @@ def _compare(name, gaps, tangent, differences):
     if error.max() > 0.0:
         i, j, place = np.unravel_index(np.argmax(error / (size + 1e-9)), error.shape)
         raise InputError(f"the law {name} has a tangent that is not that "
-                         f"of its traction: at {_place(gaps[:, place])} d t_{i} "
+                         f"of its traction: at {in_words(gaps[:, place])} d t_{i} "
                          f"/ d g_{j} is {tangent[i, j, place]:.8g}, but "
                          f"differences of t_{i} give {differences[i, j, place]:.8g}; "
                          "mend one, or, if there is a corner, name it "
                          "in gap_corners or slip_corners")
-
-
-def _refuse(name, gaps, why, wrong, values, meant):
-    """InputError that tells of the first place that is wrong, an array (components, places)."""
-    if wrong.any():
-        place = np.flatnonzero(wrong.any(axis=0))[0]
-        raise InputError(f"the law {name}: {why}, at {_place(gaps[:, place])}: "
-                         f"{values[..., place]} for {meant[..., place]}")
-
-
-def _place(gap):
-    """A gap in words."""
-    slip = f" and the slip {', '.join(f'{value:.6g}' for value in gap[1:])}" if len(gap) > 1 else ""
-    return f"the normal gap {gap[0]:.6g}{slip} (ranges)"

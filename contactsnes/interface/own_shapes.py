@@ -10,7 +10,7 @@ from ..grid.cell import Grid
 from ..grid.fields import mirrored
 from ..options.fields import InputError
 from . import own_methods
-from .gap import by_rows, initial_gap, is_convex, where
+from .gap import by_rows, initial_gap, is_convex, where, without_mask
 from .seams import rms_slope, seams
 from .shapes import SHAPES, of
 from .shapes.shape import NEAR, Shape, curvatures
@@ -42,7 +42,7 @@ class Plain(Shape):
         length = scene.scale("beta")[0]
         # whole arrays of its own: what a function writes into them stays there
         places = [length * x for x in np.broadcast_arrays(*coordinates)]
-        return np.asarray(self.function(*places)) / scene.scale("u_n,r")[0]
+        return without_mask(self.function(*places)) / scene.scale("u_n,r")[0]
 
 
 def _check_arguments(function, count):
@@ -178,12 +178,31 @@ def gap_on(shape, grid, scene):
     def found(nodes):
         gap = initial_gap(shape, nodes, scene)
         if type(shape) not in SHAPES.values():
+            _check_again(shape, gap, nodes, scene)
             check(shape, gap, nodes, scene)
         return gap
 
     if shape.by_nodes:
         return found(grid.coordinates())
     return grid.spread(lambda: found(Grid(grid.shape, grid.periods).coordinates()))
+
+
+def _check_again(shape, gap, coordinates, scene):
+    """InputError where a shape has another gap when it is asked again: seams and proportions, runs
+    that are resumed and other processes would be of other surfaces.
+
+    Parameters
+    ----------
+    shape, gap, coordinates, scene : as of `check`
+    """
+    again = initial_gap(shape, coordinates, scene)
+    wrong = np.abs(again - gap) > ROUNDING * np.max(np.abs(gap))
+    if wrong.any():
+        place = np.unravel_index(np.argmax(wrong), wrong.shape)
+        first, second = (scene.short(float(found[place]), "u_n,r", 6) for found in (gap, again))
+        raise InputError(f"{scene.option_name('geometry')} is '{scene.geometry}': the gap at "
+                         f"{where(place, coordinates, scene)} is {first}, and {second} when it is "
+                         "asked again: it has to be the same each time; give what is random a seed")
 
 
 def jumps(scene, grid=None):

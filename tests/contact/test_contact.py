@@ -754,9 +754,12 @@ def test_a_gap_in_place_of_the_scenes():
 @pytest.mark.parametrize("gap, sentence", [
     (np.zeros(5), r"the gap has the shape \(5,\), the grid has \(64,\): give one number for each"),
     (np.full(64, math.nan), "the gap has to be real and finite numbers"),
-    (np.full(64, 1j), "the gap has to be real")])
+    (np.full(64, 1j), "the gap has to be real"),
+    (np.ma.masked_greater(np.arange(64.0), 60.0), "the gap has to be real and finite numbers")])
 def test_a_gap_of_ones_own_has_to_fit(gap, sentence):
     scene = Scene(points=64, period=20.0, normal_maugis=1.0)
     with pytest.raises(InputError, match=sentence):
         Contact(scene, gap=gap)
+    with pytest.raises(InputError, match=sentence.replace("gap has", "heights have")):
+        Contact(scene, gap)
     assert Contact(scene, gap=[1] * 64).initial_gap.tolist() == [1.0] * 64

@@ -76,8 +76,23 @@ def test_what_goes_around_the_cell_has_no_extent_there():
     band = outline(grid.whole, np.broadcast_to(x ** 2, grid.shape).reshape(-1), 1.0)
     assert band.around == (False, True)
     assert band.extent(0) == pytest.approx((-1.0, 1.0), rel=1e-12)
-    assert np.isnan(band.extent(1)).all() and np.isnan(band.centroid(0))
+    assert np.isnan(band.extent(1)).all() and np.isnan(band.centroid(1))
     assert band.length() == pytest.approx(8.0, rel=1e-12)
+
+
+def test_a_contact_around_the_cell_one_way_has_a_centroid_the_other_way():
+    """A band from x = -0.7 to 1.1 and a disc across the border along y, of area 0.16 pi about
+    x = -1.4."""
+    grid = Grid((128, 128), (4.0, 4.0))
+    x, y = grid.coordinates()
+    across = np.minimum((y - 1.9) ** 2, (y + 2.1) ** 2)
+    values = np.minimum(((x - 0.2) / 0.9) ** 2 + 0 * y, ((x + 1.4) ** 2 + across) / 0.16)
+    disc, band = 0.16 * np.pi, 1.8 * 4.0
+    meant = (0.2 * band - 1.4 * disc) / (band + disc)
+    for turned, axis in ((values, 0), (values.T, 1)):
+        found = outline(grid.whole, turned.reshape(-1), 1.0)
+        assert found.centroid(axis) == pytest.approx(meant, abs=1e-4)
+        assert np.isnan(found.centroid(1 - axis)) and np.isnan(found.extent(1 - axis)).all()
 
 
 def test_intervals_of_a_line():

@@ -206,6 +206,18 @@ def test_what_is_wrong_with_a_body_is_told(changes, words):
         Branch(Scene(**LINE), PRESSED, body=type("Other", (Graded,), changes)())
 
 
+@pytest.mark.parametrize("surface, dimension, words", (
+    (lambda self, q: Surface(2 / q + 1 / q.max(), 2 / q, 2 / q, 0 * q), 1,
+     "normal compliance, of fewer wave numbers in another order, is .* on its own wave number"),
+    (lambda self, q: Surface(*[2 / np.ravel(q)] * 3, 0), 2,
+     r"normal compliance has the shape \(\d+,\), the wave numbers have \(2, \d+\)")))
+def test_compliances_are_those_of_each_wave_number_of_any_array(surface, dimension, words):
+    """Planes have wave numbers in two dimensions, finer grids higher ones."""
+    scene = Scene(**LINE, dimension=dimension, geometry=("cylinder", "sphere")[dimension - 1])
+    with pytest.raises(InputError, match=f"-scene_body is 'Other.*: its {words}"):
+        Branch(scene, PRESSED, body=type("Other", (Graded,), {"surface": surface})())
+
+
 @pytest.mark.parametrize("name, claim, dimension", (
     ("couples", lambda self, smallest: False, 1),
     ("coupled", lambda self, scene: False, 1),

@@ -494,6 +494,43 @@ def test_a_potential_of_other_tractions_is_told():
         own_laws.check(law, "Doubled")
 
 
+def decoupled(gap, work_ratio=1.0):
+    """Energy of a exp(-a), and of 2 b exp(-b^2) whatever the gap."""
+    return -(1.0 + gap[0]) * np.exp(-gap[0]) - work_ratio * np.exp(-np.sum(gap[1:] ** 2, axis=0))
+
+
+@pytest.mark.parametrize("potential, words", (
+    (lambda self, gap, work_ratio=1.0: decoupled(gap) if len(gap) == 1 else None,
+     "potential -1 at the normal gap 37 without slip.*: it has to be 0 where"),
+    (lambda self, gap, work_ratio=1.0: decoupled(gap) if np.all(gap[0] < 0.0) else None,
+     "along g_1 are not its traction times the work_ratio 3 "),
+    (lambda self, gap, work_ratio=1.0: decoupled(gap, work_ratio),
+     "along g_0 are not its traction .*normal gap 0.7 and the slip 0.2 |"
+     "along g_1 are not its traction .*normal gap 0.7 and the slip 0.2 "),
+    (lambda self, gap, work_ratio=1.0: decoupled(gap[:2], work_ratio)
+     if np.all(gap[0] < 0.0) else None, "along g_1 are not its traction.* the slip -0.12, 0.16")))
+def test_a_potential_is_that_of_all_that_it_is_asked_for(potential, words):
+    """Energies count from where the surfaces are apart, for nodes of the window alone: one of a
+    constant is another energy on another window."""
+    with pytest.raises(InputError, match=words):
+        own_laws.check(type("Declaring", (Spoken,), {"potential": potential})(), "Declaring")
+
+
+@pytest.mark.parametrize("size", (lambda count: 1.0 + 1e-3 * np.arange(count),
+                                  lambda count: 1.0 + 1e-3 * count))
+def test_a_law_of_more_than_its_own_node_is_told(size):
+    """Solves ask for the nodes of a window, of half of it or of a part, in orders of their own."""
+    def evaluate(self, gap, traction, tangent=None):
+        Sticking.evaluate(self, gap, traction, tangent)
+        traction *= size(gap.shape[1])
+        if tangent is not None:
+            tangent *= size(gap.shape[1])
+        return traction
+
+    with pytest.raises(InputError, match="hangs on more than a node's own gap and slip"):
+        own_laws.check(type("Placed", (Sticking,), {"evaluate": evaluate})(), "Placed", False)
+
+
 @pytest.mark.parametrize("law", (Sticking, "modified", np.exp))
 def test_what_is_no_object_is_told(law):
     with pytest.raises(InputError, match="the law is .*: give an object of a subclass of"):

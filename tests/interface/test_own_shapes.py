@@ -175,6 +175,9 @@ def test_the_packages_shapes_are_what_they_claim(name, dimension):
     (lambda x: x[:5], r"the gap has the shape \(5,\), the nodes have \(128,\)"),
     (lambda x: x + 1j, "complex128 instead of real numbers"),
     (lambda x: x.no_such, "cannot be evaluated .AttributeError"),
+    (lambda x: np.ma.masked_greater(x ** 2 / 2, 40), "the gap is nan at x = -10 beta"),
+    (lambda x: x ** 2 / 2 + np.random.default_rng().normal(size=x.shape),
+     "the gap at x = -10 beta is .* u_n,r, and .* u_n,r when it is asked again"),
     (lambda x, y: x + y, r"it takes \(x, y\), but is given x"),
 ))
 def test_what_is_wrong_with_a_gap_is_told(gap, words):
