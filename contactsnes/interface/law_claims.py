@@ -33,14 +33,23 @@ def check_kinds(law, name):
                                 if what == "slip_options" else "names of its properties"))
 
 
+def check_senses(law, name):
+    """InputError where a law has no attraction that rises and falls again, or a friction that
+    drives the slip."""
+    if not min(law._opened) > 0.0:
+        raise InputError(f"the law {name} attracts nowhere: its normal traction has to rise "
+                         "above 0 as the gap grows, and to fall to 0 again")
+    little = law.tangent(np.zeros((2, 1)))[1, 1, 0]
+    if not little >= 0.0:
+        raise InputError(f"the law {name} has a friction that drives the slip: at no gap and "
+                         f"little slip it grows by {little:.6g} of the slip; what acts against it "
+                         "is positive")
+
+
 def check_sizes(law, name):
     """InputError where a law claims another size or less softening than its tractions have."""
     sampled = {"normal_peak": law._opened[0], "softening": law._opened[1],
                "tangential_peak": law._slipped[0], "slip_softening": law._slipped[2]}
-    for what in ("normal_peak", "softening"):
-        if not sampled[what] > 0.0:
-            raise InputError(f"the law {name} attracts nowhere: its normal traction has to rise "
-                             "above 0 as the gap grows, and to fall to 0 again")
     for what, found in sampled.items():
         claimed = getattr(law, what)
         wrong = (not claimed >= 0.99 * found - 1e-9 if what.endswith("softening")
@@ -54,8 +63,8 @@ def check_sizes(law, name):
 def check_stiffnesses(law, name):
     """InputError where the slip at the peak or a stiffness of the regularised gap is none, or gap
     and slip together soften more than they are said to; ``name`` for the sentence."""
-    for what, least in (("slip_peak", 0.0 if law.tangential_peak > 0.0 else -1.0),
-                        ("moving_stiffness", law.softening), ("newton_stiffness", law.softening)):
+    for what, least in (("slip_peak", 0.0), ("moving_stiffness", law.softening),
+                        ("newton_stiffness", law.softening)):
         if not isinstance(value := getattr(law, what), Real) or not value > least:
             raise InputError(f"the law {name} declares {what} = {value!r}: allowed is a number "
                              f"above {least:.6g}")

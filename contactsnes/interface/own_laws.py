@@ -33,6 +33,7 @@ def check(law, name, in_file=True):
         _check_tangent(law, name)
         lines = [(line, law.traction(line), law.tangent(line)) for line in _lines(law)]
         _check_finite(lines, name)
+        law_claims.check_senses(law, name)
         _check_signs(law, name, in_file)
         _check_jumps(law, name, lines)
         law_claims.check_sizes(law, name)

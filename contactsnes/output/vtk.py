@@ -65,7 +65,7 @@ def _points(record, chosen):
     if strange:
         raise ArchiveError(f"{record.path} has no fields of point {strange[0]}; it has those of "
                            f"{record.field_points[0]} to {record.field_points[-1]}")
-    return chosen
+    return sorted(set(chosen))  # steps of time, which only grow
 
 
 def _write(group, record, points, kind):

@@ -494,6 +494,40 @@ def test_a_potential_of_other_tractions_is_told():
         own_laws.check(law, "Doubled")
 
 
+def test_a_long_range_is_sampled_where_the_law_is_steep():
+    """a / (1 + a)^3 rises to 4/27 at 1/2, and falls by up to 1/16, at 1."""
+    def tractions(self, a, b):
+        opened = 1.0 + np.maximum(a, 0.0)
+        return (np.where(a > 0.0, a / opened ** 3, 1.0 - np.exp(-np.minimum(a, 0.0))),
+                2.0 * np.exp(-b * b) / opened ** 3)
+
+    law = type("Slow", (Law,), {"tractions": tractions, "range": 1e5, "gap_corners": (0.0,)})()
+    own_laws.check(law, "Slow", in_file=False)
+    assert law.normal_peak == pytest.approx(4 / 27, rel=1e-6)
+    assert law.softening == pytest.approx(1 / 16, rel=1e-6)
+
+
+def frictionless(self, a, b):
+    return a * np.exp(-a), 0.0
+
+
+def test_a_law_without_friction_is_one():
+    law = type("Smooth", (Law,), {"tractions": frictionless})()
+    scene = Scene(**SMALL, poisson=0.0, height=math.inf)
+    *_, point = Branch(scene, Load(path="normal_displacement=1"), law=law)
+    alone = Branch(Scene(**SMALL, height=math.inf), Load(path="normal_displacement=1"), law=law)
+    assert law.slip_peak == 1.0 and len(point.forces) == 2
+    # what slips without resistance presses as one that does not couple
+    assert point.forces.tolist() == pytest.approx([[*alone][-1].forces[0], 0.0], abs=1e-7)
+
+
+def test_friction_that_drives_the_slip_is_refused():
+    law = type("Driving", (Law,), {"tractions": lambda self, a, b: (
+        a * np.exp(-a), -np.exp(-b * b - np.maximum(a, 0.0))), "gap_corners": (0.0,)})()
+    with pytest.raises(InputError, match="a friction that drives the slip: .* grows by -1 of"):
+        own_laws.check(law, "Driving")
+
+
 def decoupled(gap, work_ratio=1.0):
     """Energy of a exp(-a), and of 2 b exp(-b^2) whatever the gap."""
     return -(1.0 + gap[0]) * np.exp(-gap[0]) - work_ratio * np.exp(-np.sum(gap[1:] ** 2, axis=0))

@@ -191,7 +191,8 @@ def test_fields_of_an_archive_name_components_axes_and_units(tmp_path):
 
 
 def test_a_file_of_vtk_has_the_layout_that_vtk_reads(tmp_path):
-    path = write_vtk(archive(tmp_path / "a.h5", fields="all"), ExportOptions(points="1,-1"))
+    # in their order, each once
+    path = write_vtk(archive(tmp_path / "a.h5", fields="all"), ExportOptions(points="-1,1,3"))
     with h5py.File(path) as file:
         image = file["VTKHDF"]
         assert image.attrs["Type"] == b"ImageData" and image.attrs["Version"][0] == 2

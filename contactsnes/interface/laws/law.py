@@ -143,8 +143,7 @@ class Law(Declared):
         return self.evaluate(gap, np.empty_like(gap) if out is None else out)
 
     def tangent(self, gap, out=None):
-        """Consistent tangent dt_i / dg_j at every node, array (components, components, nodes),
-        dimensionless."""
+        """Consistent tangent dt_i / dg_j, array (components, components, nodes), dimensionless."""
         count, nodes = gap.shape
         out = np.empty((count, count, nodes)) if out is None else out
         self.evaluate(gap, np.empty_like(gap), out)
@@ -174,18 +173,20 @@ class Law(Declared):
     @cached_property
     def _opened(self):
         """Largest attraction without slip, and steepest fall of it."""
-        normal, slope = self.normal(np.linspace(0.0, self.range, 37001))
+        fine = 5001j if self.range > 37.0 else 0j  # a long range is coarse where the law is steep
+        normal, slope = self.normal(np.r_[0.0:self.range:37001j, 0.0:self.opening_range:fine])
         return float(normal.max()), float(np.max(-slope))
 
     @cached_property
     def _slipped(self):
-        """Largest friction at no gap, the slip there (the least one), and the steepest fall of
-        it."""
+        """Largest friction at no gap, the slip there (the least one; 1 without friction), and the
+        steepest fall of it."""
         slip = np.linspace(0.0, self.slip_range, 60001)
         gap = np.array([np.zeros_like(slip), slip])
         traction, slope = self.traction(gap)[1], self.tangent(gap)[1, 1]
         place = np.argmax(traction >= traction.max() * (1.0 - 1e-10))
-        return float(traction[place]), float(slip[place]), float(max(np.max(-slope), 0.0))
+        return (float(traction[place]), float(slip[place]) if traction[place] > 0.0 else 1.0,
+                float(max(np.max(-slope), 0.0)))
 
     @property
     def normal_peak(self):
@@ -243,8 +244,7 @@ class Law(Declared):
 
     @property
     def newton_stiffness(self):
-        """kappa of the regularised gap in which Newton's steps are taken by default,
-        phi_n/delta_n^2."""
+        """kappa of the regularised gap of Newton's steps by default, phi_n/delta_n^2."""
         return self.moving_stiffness
 
     def regularised(self, gap, stiffness):
