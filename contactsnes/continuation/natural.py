@@ -59,11 +59,13 @@ class NaturalSteps(LoadSteps):
         failures, searched = 0, None
         while self.history[-1][0] < 1.0:
             position = self.history[-1][0]
-            step, target = shared(step, position)
+            (step, target), error = shared(step, position), None
             try:
                 point, critical = self._tried(target, self._again() if failures
                                               else self.predictor)
-            except NotConverged as error:
+            except NotConverged as caught:
+                error = caught
+            if error is not None:  # not where it is caught: Python 3.10 holds its frames there
                 without_frames(error)
                 failures, step = failures + 1, 0.25 * step
                 self.system.log(f"step to {self._place(target)} failed ({error}); the "
