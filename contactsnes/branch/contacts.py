@@ -26,6 +26,16 @@ def shared_grid(scene):
     return Slabs(scene.shape, scene.periods, MPI.COMM_WORLD)
 
 
+def _agreed(reason):
+    """Why all processes do without C: the reason of the first that has to, or None."""
+    from mpi4py import MPI
+
+    comm = MPI.COMM_WORLD
+    reasons = comm.allgather(reason)
+    return next((found if None not in reasons else f"{found} (process {rank} of {comm.size})"
+                 for rank, found in enumerate(reasons, start=1) if found), None)
+
+
 def contact_of(scene, load, form, log):
     """The Contact of a scene on its grid.
 
@@ -42,12 +52,14 @@ def contact_of(scene, load, form, log):
     """
     if not callable(log):
         raise unfit("log", log, "a function of a sentence, as print is")
-    kernels = chosen(form.kernels == "auto", form.cache or None)
+    grid = None if scene.isolated else shared_grid(scene)
+    agreed = {} if grid is None else {"agreed": _agreed}
+    kernels = chosen(form.kernels == "auto", form.cache or None, **agreed)
     if scene.isolated:
         check_form(form)
         contact = IsolatedContact(lay_out(scene, largest_force(scene, load)), kernels=kernels)
     else:
-        contact = Contact(scene, kernels=kernels, grid=shared_grid(scene))
+        contact = Contact(scene, kernels=kernels, grid=grid)
         refuse_contact_at_edge(shapes.of(scene), contact)
     if kernels.law_reason:
         log(f"the law is evaluated by NumPy: {kernels.law_reason}")

@@ -127,7 +127,7 @@ def _answered(words, interrupts):
         return _begun(words, interrupts)
     except (InputError, ArchiveError, MemoryError):
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         reason = blamed(error)
         if not reason:
             raise

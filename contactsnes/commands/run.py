@@ -174,7 +174,7 @@ class Run:
                 self.archive.finish()
         except TooCoarse as found:
             coarse = found.with_traceback(None)  # a traceback would hold PETSc objects
-        except (Exception, KeyboardInterrupt) as error:
+        except (Exception, SystemExit, KeyboardInterrupt) as error:
             return self._verdict(error)
         else:
             return 0, ""

@@ -87,7 +87,7 @@ def start_petsc(arguments, refused=lambda settings: None):
     begin_petsc(words)
     refuse_differences()
     check_solvers()
-    scene, form, load, steps, output = map(read, OPTION_CLASSES)
+    scene, form, load, steps, output = [read(kind) for kind in OPTION_CLASSES]
     refuse_unshared(scene)
     scenes.check(scene, load, steps)
     settings = Settings(scene, form, load, steps, output)

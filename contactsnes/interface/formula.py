@@ -38,7 +38,7 @@ class Formula:
     def __init__(self, law):
         try:
             self._trace(law, law.parameters)
-        except Exception:  # whatever a law does with a parameter that is no number
+        except (Exception, SystemExit):  # whatever a law does with a parameter that is no number
             self._trace_numbers(law)
         self.values = tuple(float(getattr(law, name)) for name in self.parameters)
 
@@ -52,7 +52,7 @@ class Formula:
                              f"differentiated: {error}") from error
         except InputError:
             raise
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise InputError(f"the law {title} has tractions(a, b) that cannot be evaluated "
                              f"({type(error).__name__}: {error}); mend it") from error
 

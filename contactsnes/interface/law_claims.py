@@ -72,7 +72,7 @@ def check_stiffnesses(law, name):
         return
     try:
         claimed = float(law.coupled_softening(1.0, 1.0))
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise InputError(f"the law {name} has a coupled_softening(normal_maugis, "
                          f"tangential_maugis) that cannot be evaluated ({type(error).__name__}: "
                          f"{error}); mend it") from error
@@ -135,6 +135,6 @@ def _potential(law, name, gaps, work_ratio):
     """
     try:
         return law.potential(gaps, work_ratio)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise InputError(f"the law {name} has a potential(gap, work_ratio) that cannot be "
                          f"evaluated ({type(error).__name__}: {error}); mend it") from error

@@ -61,7 +61,7 @@ def _evaluated(named):
             yield
     except InputError:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise InputError(f"{named}: it cannot be evaluated ({type(error).__name__}: "
                          f"{error}); mend it") from error
 

@@ -80,7 +80,7 @@ def _check_tangent(law, name):
             traction, tangent = law.traction(gaps), law.tangent(gaps)
             differences = _differences(law, gaps)
             alone, kept = law.evaluate(inside := gaps.copy(), inside), law.normal(gaps[0])[0]
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise InputError(f"the law {name} cannot be evaluated with "
                              f"{components} component(s) ({type(error).__name__}: "
                              f"{error}); mend it") from error

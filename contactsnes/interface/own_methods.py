@@ -115,6 +115,8 @@ def blamed(error, registries):
     error : Exception, with its traceback
     registries : of the kinds that may be in files
     """
+    if isinstance(error.__cause__, StopIteration):  # which generators wrap
+        error = error.__cause__
     frames = traceback.extract_tb(error.__traceback__)
     for registry in registries:
         for name in registry.own:

@@ -117,7 +117,7 @@ def check_declared(shape, scene):
     if type(shape).curvature is not Shape.curvature:
         try:
             claimed = shape.curvature(scene)
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise InputError(f"{named}: its curvature cannot be had ({type(error).__name__}: "
                              f"{error}); mend it, or leave curvature out") from error
         if not isinstance(claimed, (tuple, list)) or len(claimed) != scene.dimension:

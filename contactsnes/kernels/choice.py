@@ -111,14 +111,15 @@ class Compiled:
     Parameters
     ----------
     cache : folder for what is kept between runs
+    agreed : as of `chosen`
     """
 
     compiled, reason = True, None
 
-    def __init__(self, cache):
+    def __init__(self, cache, agreed):
         from . import fftw, points, slab_even, slabs, splines, transforms
 
-        self._cache, self.law_reason = cache, None
+        self._cache, self._agreed, self.law_reason, self._plain = cache, agreed, None, None
         self.spline, self.sources, self.smooth = splines.spline, splines.sources, slabs.smooth
         self.crossings, self.alternation = points.crossings, points.alternation
         fftw.remember(cache)
@@ -183,23 +184,30 @@ class Compiled:
         return made
 
     def law(self, law):
-        """The law evaluated in C; as it is where it cannot be."""
-        from .laws import with_kernel
+        """The law evaluated in C; as it is where it cannot be, here or in another process."""
+        from .laws import kernel_of, with_kernel
 
+        if law is self._plain or kernel_of(law) is not None:
+            return law
         try:
-            law, self.law_reason = with_kernel(law, self._cache), None
+            made, reason = with_kernel(law, self._cache), None
         except library.Unavailable as error:
-            self.law_reason = str(error)
-        return law
+            made, reason = law, str(error)
+        self.law_reason = self._agreed(reason)
+        if self.law_reason:
+            made = self._plain = law
+        return made
 
 
-def chosen(wanted=True, cache=None):
+def chosen(wanted=True, cache=None, agreed=lambda reason: reason):
     """What contacts compute with.
 
     Parameters
     ----------
     wanted : bool, whether the library is, where there is one
     cache : folder for what is kept between runs; None: the user's own
+    agreed : function of why this process has to do without C, or None; returns why all that share
+        out a plane have to, since C and NumPy ask each other for different things
     """
-    reason = library.reason() if wanted else "-contact_kernels is off"
-    return Interpreted(reason) if reason else Compiled(Path(cache or default_cache()))
+    reason = agreed(library.reason()) if wanted else "-contact_kernels is off"
+    return Interpreted(reason) if reason else Compiled(Path(cache or default_cache()), agreed)

@@ -203,11 +203,18 @@ class World:
         ends = self._last.allgather((status, self._said.errors()))
         if not self.rank:
             sys.stderr.write("".join(
-                f"{line} (process {rank} of {self.size})\n"
-                for rank, (_, errors) in enumerate(ends[1:], start=2)
-                for line in errors if line not in ends[0][1]))
+                f"{line} (process {rank} of {self.size})\n" for rank, line in _left(ends)))
             sys.stderr.flush()
         return max(status for status, _ in ends)
+
+
+def _left(ends):
+    """(number of a process, line) that the first process has not said, of the ends of all: (status,
+    lines of errors) each. Of those that have failed the first one speaks."""
+    failed = [rank for rank, (status, _) in enumerate(ends, start=1) if status]
+    speak = failed[:1] or range(1, len(ends) + 1)
+    return [(rank, line) for rank in speak for line in ends[rank - 1][1]
+            if line not in ends[0][1]]
 
 
 def _end_all(processes, status):

@@ -582,6 +582,15 @@ def test_a_file_that_ends_the_program_or_a_class_with_its_own_parameters(tmp_pat
         Scene(law=f"{tmp_path / 'made.py'}:Made")
 
 
+def test_a_law_that_ends_the_program_where_it_is_looked_at(tmp_path):
+    (tmp_path / "ends.py").write_text(
+        "import sys\n\nfrom contactsnes import Law\n\nclass Ends(Law):\n"
+        "    def evaluate(self, gap, traction, tangent=None):\n        sys.exit('no table')\n",
+        encoding="utf-8")
+    with pytest.raises(InputError, match="cannot be evaluated .*SystemExit: no table"):
+        Branch(Scene(law=f"{tmp_path / 'ends.py'}:Ends", **SMALL), Load(path=""))
+
+
 def test_info_tells_of_the_options_of_the_law_that_there_is(written):
     """Not of a residual friction that a law of one's own has not."""
     told = [about_law(Scene(law=name)) for name in (written(), "modified", "mcgarry")]

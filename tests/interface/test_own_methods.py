@@ -127,15 +127,18 @@ class Late(Modified):
 
     def evaluate(self, *arguments):
         if self.broken:
-            raise ValueError("too late")
+            raise {error}("too late")
         return super().evaluate(*arguments)
 """
 
 
-def test_a_law_that_fails_on_the_way_loses_no_points(tmp_path, monkeypatch, capsys, kept_options):
-    """What was there was not told, and that it was bad input."""
+@pytest.mark.parametrize("error", ["ValueError", "SystemExit", "StopIteration"])
+def test_a_law_that_fails_on_the_way_loses_no_points(error, tmp_path, monkeypatch, capsys,
+                                                     kept_options):
+    """What was there was not told, and that it was bad input; an end of the program ended it
+    without a word, and that of an iteration looked like a defect of ours."""
     monkeypatch.setattr(laws.REGISTRY, "own", {})
-    (tmp_path / "mine.py").write_text(LATE, encoding="utf-8")
+    (tmp_path / "mine.py").write_text(LATE.format(error=error), encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     accept = Run._accept
 
@@ -148,8 +151,9 @@ def test_a_law_that_fails_on_the_way_loses_no_points(tmp_path, monkeypatch, caps
                      "mine.py:Late", "-load_path", "normal_displacement=9", "-archive_file",
                      "run.h5"]) == 1
     said = capsys.readouterr().err
-    assert ("-scene_law is 'mine.py:Late': its evaluate fails (ValueError: too late; line 9 of the "
-            "file); mend it; 3 points are in ") in said and "Traceback" not in said
+    assert ("-scene_law is 'mine.py:Late': its evaluate fails "
+            f"({error}: too late; line 9 of the file); mend it; 3 points are in ") in said
+    assert "Traceback" not in said
     assert read("run.h5").points == 3
 
 

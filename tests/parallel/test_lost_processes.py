@@ -126,7 +126,7 @@ from contactsnes.interface.laws.modified import Modified
 class Failing(Modified):
     def evaluate(self, *arguments):
         if "BROKEN" in os.environ:
-            raise ValueError("no traction")
+            raise {error}("no traction")
         return super().evaluate(*arguments)
 """
 BREAKING = """
@@ -145,12 +145,14 @@ sys.exit(cli.main(["run", *{words!r}]))"""
 
 
 @together
-def test_a_law_that_fails_within_a_solve_of_one_process(tmp_path):
-    """The error passes through PETSc, while the other process waits for a sum."""
-    (tmp_path / "law.py").write_text(LAW)
+@pytest.mark.parametrize("error", ["ValueError", "SystemExit"])
+def test_a_law_that_fails_within_a_solve_of_one_process(error, tmp_path):
+    """The error passes through PETSc, while the other process waits for a sum: for ever, where
+    the law ended its program."""
+    (tmp_path / "law.py").write_text(LAW.format(error=error))
     done = program(2, BREAKING.format(words=(*PLANE, "-scene_law", "law.py:Failing")), tmp_path)
     assert done.returncode == 1, done.stdout + done.stderr
-    assert all(words in done.told[0] for words in ("ValueError: no traction; line 8 of the file",
+    assert all(words in done.told[0] for words in (f"{error}: no traction; line 8 of the file",
                                                    "3 points are in", "process 2 of 2"))
     assert "Traceback" not in done.stderr and read(tmp_path / "run.h5").points == 3
 

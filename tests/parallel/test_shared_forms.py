@@ -4,6 +4,7 @@ import pytest
 from ranks import SIZES, Started, say, together
 
 from contactsnes.kernels import library
+from contactsnes.output.reading import read
 
 PROGRAM = """
 import itertools
@@ -139,3 +140,43 @@ print("goes on")
 def test_processes_need_not_lose_an_object_at_the_same_time(tmp_path):
     done = Started(2, ["-c", GARBAGE], tmp_path, fresh=True).ended(60.0)
     assert (done.returncode, done.stdout.count("goes on")) == (0, 2), done.stderr
+
+
+LAW = """
+import numpy as np
+from contactsnes import Law
+
+class Plain(Law):
+    gap_corners = (0.0,)
+
+    def tractions(self, a, b):
+        return a * np.exp(-a), 2.0 * np.exp(-b ** 2 - np.maximum(a, 0.0))
+"""
+MIXED = """
+import os, sys
+from contactsnes.system.processes import launched
+rank = str(launched()[1])
+os.environ["XDG_CACHE_HOME"] = rank
+if rank == "1":
+    os.environ[{name!r}] = {value!r}
+from contactsnes.commands.cli import main
+sys.exit(main(["run", "-scene_dimension", "2", "-scene_points", "32", "-scene_period", "12",
+               "-scene_geometry", "sphere", "-scene_normal_maugis", "1", "-load_path",
+               "normal_displacement=0.2", "-contact_symmetry", {symmetry!r}, "-scene_law",
+               "law.py:Plain", "-archive_file", "run.h5"]))
+"""
+
+
+@together
+@pytest.mark.parametrize("name, value, symmetry", [("CONTACTSNES_KERNELS", "off", "auto"),
+                                                   ("CC", "/bin/false", "off")])
+def test_a_process_that_has_no_kernels_or_compiler_hinders_nobody(name, value, symmetry, tmp_path):
+    """C and NumPy ask other processes for different things: these waited for ever."""
+    (tmp_path / "law.py").write_text(LAW)
+    text = MIXED.format(name=name, value=value, symmetry=symmetry)
+    done = Started(2, ["-c", text], tmp_path, fresh=True).ended(60.0)
+    assert done.returncode == 0, done.stderr
+    assert read(tmp_path / "run.h5").complete
+    if name == "CC" and library.reason() is None:
+        assert "the law is evaluated by NumPy: the C compiler /bin/false" in done.stdout
+        assert "(process 2 of 2)" in done.stdout

@@ -40,6 +40,25 @@ def test_bad_input_is_told_once(tmp_path):
     refused(command(2, "run", "absent.opts", folder=tmp_path), "absent.opts")
 
 
+BOWL = """
+from contactsnes import Shape
+
+class Bowl(Shape):
+    by_nodes = True
+
+    def gap(self, coordinates, scene):
+        raise ValueError("no table")
+"""
+
+
+@together
+def test_what_all_find_in_other_rows_is_told_once(tmp_path):
+    """Of 32 rows the third process has fewer than the others, which its sentence says."""
+    (tmp_path / "bowl.py").write_text(BOWL)
+    refused(command(3, "run", *PLANE, "-scene_geometry", "bowl.py:Bowl", folder=tmp_path),
+            "ValueError: no table")
+
+
 @together
 def test_info_tells_the_memory_of_each_process(tmp_path):
     """Of each of two it is half of what one takes, up to rounding."""
