@@ -30,7 +30,7 @@ from ..output.files import ArchiveError, WriteError
 from ..scene import settings as scenes
 from ..scene.parts import blamed
 from ..scene.units import UNITS
-from ..system.processes import world
+from ..system.processes import launched, world
 from ..system.streams import Interrupts, standard_streams
 from . import summary
 from .cautions import cautions
@@ -137,6 +137,8 @@ def _answered(words, interrupts):
 def _begun(words, interrupts):
     """The exit status of a command, or of a word that is none."""
     command, arguments = (words[0], words[1:]) if words else ("", [])
+    if command not in COMMANDS and launched()[1]:
+        return 0  # the first one speaks; another status would have it ended before
     if command in ("-h", "-help", "--help", "help"):
         return told(HELP)
     if command == "--version":

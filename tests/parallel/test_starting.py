@@ -38,6 +38,7 @@ def test_scenes_of_one_process_are_refused(tmp_path):
 def test_bad_input_is_told_once(tmp_path):
     refused(command(2, "run", *PLANE, "-scene_pionts", "32", folder=tmp_path), "scene_points")
     refused(command(2, "run", "absent.opts", folder=tmp_path), "absent.opts")
+    refused(command(2, "nonsense", folder=tmp_path), "'nonsense' is no command")
 
 
 BOWL = """
@@ -89,6 +90,8 @@ assert 0.8 * alone < memory() < 1.2 * alone
 def test_help_is_told_once(tmp_path):
     done = command(2, "run", "-help", folder=tmp_path)
     assert done.returncode == 0 and done.stdout.count("Scene: ") == 1
+    done = command(2, "--version", folder=tmp_path)
+    assert done.returncode == 0 and done.stdout.count("contactsnes") == 1
 
 
 @together
