@@ -3,6 +3,7 @@ cannot."""
 
 import os
 import time
+from contextlib import suppress
 from pathlib import Path
 
 from ..options.fields import nearest
@@ -104,7 +105,8 @@ def resolved(path):
     ArchiveError for what names none."""
     try:
         found = Path(path).resolve()
-        found.exists()
+        with suppress(FileNotFoundError, NotADirectoryError):
+            found.stat()  # Python 3.13 resolves a loop of links to itself
     # too long, a loop of links, letters that no file system knows
     except (OSError, RuntimeError, ValueError) as error:
         raise ArchiveError(f"-archive_file is '{path}', which cannot be the "

@@ -63,7 +63,7 @@ def differences(first, second, most=1e-8):
 
 
 @together
-@pytest.mark.parametrize("size, on", zip(SIZES, ["cell", "active"]))
+@pytest.mark.parametrize("size, on", [*zip(SIZES, ["cell", "active"])])
 def test_an_archive_is_that_of_one_process(size, on, alone, tmp_path):
     done = command(size, "run", *words_of(on=on), folder=tmp_path)
     assert done.returncode == 0, done.stderr
