@@ -5,14 +5,14 @@ import math
 
 import numpy as np
 import pytest
-from scipy.special import j0, j1, jv
+from scipy.special import j0, j1, jv, struve
 
 from contactsnes.grid.cell import Convolution, Grid
 from contactsnes.grid.operator import Operator
 from contactsnes.grid.windows import Window
 from contactsnes.interface.bodies.layer import Layer
 from contactsnes.interface.elasticity import layer_compliance
-from contactsnes.interface.unbounded import free_space
+from contactsnes.interface.unbounded import _integral_of_j0, free_space
 
 WIDTH = 0.7
 """Standard deviation of the Gaussian tractions of these tests: their waves beyond 6/WIDTH are below
@@ -100,6 +100,20 @@ def plane_integral(body, combine, order, r):
     transform = lambda q: 2 * math.pi * WIDTH ** 2 * np.exp(-(q * WIDTH) ** 2 / 2)
     return integral(lambda q: combine(layer_compliance(q, body.poisson, body.height))
                     * transform(q) * q * bessel(q * r)) / (2 * math.pi)
+
+
+def test_integral_of_j0_is_that_of_sums_and_of_struve_functions():
+    """SciPy's own is wrong in some versions. Sums of Gauss over panels of length 1, and
+    x J_0 + pi x/2 (J_1 H_0 - J_0 H_1), which rounding grows in."""
+    nodes, weights = np.polynomial.legendre.leggauss(16)
+    sums = np.cumsum(j0(np.arange(400)[:, None] + (1.0 + nodes) / 2) @ weights / 2)
+    found = _integral_of_j0(np.arange(1.0, 401.0))
+    assert found == pytest.approx(sums, rel=0, abs=2e-12)
+    assert found[49:] == pytest.approx(sums[49:], rel=0, abs=2e-14)
+    x = np.geomspace(50.0, 1e4, 2000)
+    exact = x * j0(x) + np.pi * x / 2 * (j1(x) * struve(0, x) - j0(x) * struve(1, x))
+    assert _integral_of_j0(x) == pytest.approx(exact, rel=0, abs=1e-12)
+    assert _integral_of_j0(np.array([0.0, 1e-9, 1e9])) == pytest.approx([0.0, 1e-9, 1.0], abs=4e-5)
 
 
 @pytest.mark.parametrize("poisson, height", [(0.5, math.inf), (0.3, 4.0), (0.3, 0.3),
