@@ -40,15 +40,15 @@ PLACES = 3001
 
 
 def _series(count):
-    """Coefficients of the powers of 1/x, without their signs, in the integral of J_0 to x."""
+    """Coefficients of the powers of 1/x in the integral of J_0 to x: even ones and odd ones."""
     found = [1.0, 0.625]
     for k in range(1, count - 1):
         found.append((1.5 * (k + 0.5) * (k + 5 / 6) * found[k]
                       - 0.5 * (k + 0.5) ** 2 * (k - 0.5) * found[k - 1]) / (k + 1))
-    return np.array(found)
+    return np.reshape(found, (-1, 2)).T * (-1.0) ** np.arange(count // 2)
 
 
-SERIES, SIGNS = _series(18), (-1.0) ** np.arange(9)
+SERIES = _series(18)
 """Enough of it from 50 on: the last ones are below rounding there."""
 
 
@@ -162,8 +162,7 @@ def _integral_of_j0(x):
     result, falling = np.empty_like(x), 1.0 / far
     result[close] = near * j0(near) + np.pi * near / 2 * (j1(near) * struve(0, near)
                                                           - j0(near) * struve(1, near))
-    even, odd = (np.polynomial.polynomial.polyval(falling ** 2, SERIES[first::2] * SIGNS)
-                 for first in (0, 1))
+    even, odd = (np.polynomial.polynomial.polyval(falling ** 2, part) for part in SERIES)
     result[~close] = 1.0 - np.sqrt(2.0 * falling / np.pi) * (
         even * np.cos(far + np.pi / 4) + falling * odd * np.sin(far + np.pi / 4))
     return result
