@@ -141,6 +141,24 @@ def test_the_forcing_can_be_switched_off_alone(options):
     assert not snes.getUseEW() and snes.getKSP().getTolerances()[0] == 1e-5
 
 
+def test_a_first_system_that_is_solved_further_saves_iterations(options):
+    """On a rough plane, against steps whose first system is solved as far as a line's."""
+    scene = Scene(dimension=2, points=128, period=12.0, height=math.inf, normal_maugis=2.0,
+                  geometry="rough", rough_on="flat", rough_hurst=0.8, rough_longest=3.0,
+                  rough_shortest=0.75, rough_slope=6.0, rough_seed=1)
+    found = []
+    for given in ({}, {"snes_ksp_ew_rtol0": "0.1"}):
+        options(**given)
+        points = list(Branch(scene, Load(start="normal_displacement=1",
+                                         path="normal_displacement=2"), Steps(largest_step=0.1)))
+        found.append((points[-1].forces[0], *(sum(point.spent[name] for point in points[1:])
+                                              for name in ("nonlinear_iterations",
+                                                           "linear_iterations"))))
+    (force, newton, krylov), (same, more, others) = found
+    assert force == pytest.approx(same, rel=1e-6)
+    assert newton < 0.9 * more and krylov < others
+
+
 def test_the_absolute_linear_tolerance_follows_that_of_the_outer_iteration(options):
     options(snes_atol="1e-4")
     assert 1e-6 < snes_of().getKSP().getTolerances()[1] <= 0.5e-4
