@@ -1,5 +1,6 @@
 """Fields of archives as files of VTK (VTKHDF), which ParaView opens: an image over the interface, a
-step of time for each point."""
+step of time for each point. VTK takes a file of one step for an image without time, and is given
+one."""
 
 from pathlib import Path
 
@@ -78,41 +79,54 @@ def _write(group, record, points, kind):
     group.attrs["Spacing"] = [axis[1] - axis[0] if len(axis) > 1 else 1.0 for axis in axes]
     group.attrs["Direction"] = np.eye(3).ravel()
     group.attrs["unit"] = record.units["x"]
-    steps = group.create_group("Steps")
-    steps.attrs["NSteps"] = len(points)
-    steps["Values"] = np.array(points, dtype="f8")
-    _write_numbers(group, steps, record, points)
-    data, offsets = group.create_group("PointData"), steps.create_group("PointDataOffsets")
+    numbers = _numbers(record, points)
+    for name, values in numbers.items():
+        group[f"FieldData/{name}"] = values
+    data, steps = group.create_group("PointData"), (len(points),) if len(points) > 1 else ()
     for place, (displacement, traction) in enumerate(record.each(points)):
         for name, field in fields(record, displacement, traction).items():
             # VTK counts y, x; it leaves out directions of one node
             field = np.swapaxes(field, 0, 1) if len(record.coordinates) == 2 else field
             if name not in data:
-                data.create_dataset(name, (len(points), *field.shape), kind,
-                                    chunks=(1, *field.shape), compression="gzip",
-                                    compression_opts=1, shuffle=True)
-                offsets[name] = np.arange(len(points))
-            data[name][place] = field
+                data.create_dataset(name, (*steps, *field.shape), kind,
+                                    chunks=(*[1 for _ in steps], *field.shape),
+                                    compression="gzip", compression_opts=1, shuffle=True)
+            data[name][place if steps else ...] = field
+    if steps:
+        _write_steps(group.create_group("Steps"), points, list(data), list(numbers))
 
 
-def _write_numbers(group, steps, record, points):
-    """Write loads and contact of each step, which ParaView shows as field data.
+def _write_steps(steps, points, arrays, numbers):
+    """Write which parts of the data belong to which step.
 
     Parameters
     ----------
-    group, steps : h5py.Group, of the file and of its steps
-    record : Record
+    steps : h5py.Group, of the steps
     points : list of int
+    arrays, numbers : lists of str, names of fields and of numbers
     """
-    data, places = group.create_group("FieldData"), steps.create_group("FieldDataOffsets")
-    sizes = steps.create_group("FieldDataSizes")
-    for column in NUMBERS:
-        for name in (column, f"{column}_x", f"{column}_y"):
-            if name in record:
-                shown = f"{name.replace('_', ' ')} ({record.units[name]})"
-                data[shown] = np.asarray(record[name], "f8")[points]
-                places[shown] = np.arange(len(points))
-                sizes[shown] = np.ones((len(points), 2), int)
+    places = np.arange(len(points))
+    steps.attrs["NSteps"] = len(points)
+    steps["Values"] = np.array(points, dtype="f8")
+    for name in arrays:
+        steps[f"PointDataOffsets/{name}"] = places
+    for name in numbers:
+        steps[f"FieldDataOffsets/{name}"] = places
+        steps[f"FieldDataSizes/{name}"] = np.ones((len(points), 2), int)
+
+
+def _numbers(record, points):
+    """Loads and contact of points, which ParaView shows as field data: name with its unit ->
+    array."""
+    names = [name for column in NUMBERS for name in (column, f"{column}_x", f"{column}_y")
+             if name in record]
+    return {_named(name.replace("_", " "), record.units[name]):
+            np.asarray(record[name], "f8")[points] for name in names}
+
+
+def _named(what, unit):
+    """A name with its unit, without the stroke that would make a group of it in HDF5."""
+    return f"{what} ({unit.replace('/', ' per ')})"
 
 
 def fields(record, displacement, traction):
@@ -124,12 +138,12 @@ def fields(record, displacement, traction):
     displacement, traction : arrays (components, *grid), its fields at a point
     """
     shifts, stresses = (_both(record.units[name]) for name in ("displacement", "traction"))
-    found = {f"gap ({record.units['initial_gap']})": record.initial_gap + displacement[0],
-             f"normal displacement ({shifts[0]})": displacement[0],
-             f"pressure ({stresses[0]})": -traction[0]}
+    found = {_named("gap", record.units["initial_gap"]): record.initial_gap + displacement[0],
+             _named("normal displacement", shifts[0]): displacement[0],
+             _named("pressure", stresses[0]): -traction[0]}
     if len(displacement) > 1:
-        found |= {f"slip ({shifts[1]})": _vector(displacement[1:]),
-                  f"tangential traction ({stresses[1]})": _vector(traction[1:])}
+        found |= {_named("slip", shifts[1]): _vector(displacement[1:]),
+                  _named("tangential traction", stresses[1]): _vector(traction[1:])}
     return found
 
 

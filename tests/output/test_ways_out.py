@@ -226,6 +226,31 @@ def test_vtk_finds_each_value_where_it_belongs(tmp_path):
             x ** 2 + 0.1 * y + x + 10.0 * y, rel=1e-6, abs=1e-5)
 
 
+def test_one_point_is_an_image_without_time(tmp_path):
+    path = write_vtk(archive(tmp_path / "a.h5", fields="all"), ExportOptions(points="2"))
+    with h5py.File(path) as file:
+        assert "Steps" not in file["VTKHDF"]
+        assert file["VTKHDF/PointData/gap (u_n,r)"].shape == (4, 6)
+    reader = pytest.importorskip("vtkmodules.vtkIOHDF").vtkHDFReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    image = reader.GetOutput()
+    assert image.GetFieldData().GetArray("normal force (w_n,r)").GetValue(0) == 2 / 3
+    for number in range(image.GetNumberOfPoints()):
+        x, _, _ = image.GetPoint(number)
+        assert image.GetPointData().GetArray("slip (u_t,r)").GetTuple(number) == (2.0, 2.0 * x, 0.0)
+
+
+@pytest.mark.parametrize("points", ("", "1"))
+def test_numbers_with_a_stroke_in_their_unit_are_shown(points, tmp_path):
+    path = archive(tmp_path / "a.h5", fields="all", unit="N/m")
+    with h5py.File(write_vtk(path, ExportOptions(points=points))) as file:
+        data = file["VTKHDF/FieldData"]
+        assert list(data) == ["normal force (N per m)"]
+        assert list(data["normal force (N per m)"][:]) == ([1 / 3] if points else
+                                                           [0, 1 / 3, 2 / 3, 1])
+
+
 def test_an_export_refuses_what_is_not_there(tmp_path):
     with pytest.raises(ArchiveError, match="has no fields: run with -archive_fields"):
         write_vtk(archive(tmp_path / "a.h5"), ExportOptions())
