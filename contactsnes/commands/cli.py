@@ -28,12 +28,12 @@ from ..options.help import help_text
 from ..options.words import asks_for_help
 from ..output.files import ArchiveError, WriteError
 from ..scene import settings as scenes
-from ..scene.parts import blamed
 from ..scene.units import UNITS
 from ..system.processes import launched, world
 from ..system.streams import Interrupts, standard_streams
 from . import summary
 from .cautions import cautions
+from .own_solvers import blamed
 from .run import Run
 from .session import (
     create_branch,

@@ -22,10 +22,10 @@ from ..options.fields import InputError
 from ..output import resuming
 from ..output.files import ArchiveError
 from ..scene import settings as scenes
-from ..scene.parts import blamed
 from ..system.processes import PATIENCE, SHORT, world
 from . import summary
 from .cautions import cautions
+from .own_solvers import blamed
 from .progress import Progress
 from .session import (
     create_branch,
@@ -212,8 +212,6 @@ class Run:
             return 128 + number, f"interrupted by {signal.Signals(number).name}"
         if isinstance(error, PETSc.Error):
             return 2 if early and error.ierr in BAD_OPTIONS else 1, petsc_sentence(error)
-        if isinstance(error, ImportError) and early:
-            return 2, f"a Python class that an option names cannot be imported: {error}"
         reason = "" if isinstance(error, InputError) else blamed(error)
         if reason:  # in a file of one's own
             return 2 if early else 1, reason

@@ -21,6 +21,7 @@ from ..options.files import entries, located, refuse_circles
 from ..scene import settings as scenes
 from ..scene.load import Load
 from ..scene.settings import OPTION_CLASSES
+from . import own_solvers
 from .starting import begin_petsc, refuse_differences, refuse_unshared
 
 
@@ -165,25 +166,8 @@ def check_solvers():
     do not exist or are not allowed."""
     check_names(solver_options())
     check_values(solver_options())
-    _check_classes()
+    own_solvers.check()
     _check_types()
-
-
-def _check_classes():
-    """InputError for a class of this package that an option names and that does not exist."""
-    for name, path in database().items():
-        module, _, cls = path.rpartition(".")
-        if name.endswith("python_type") and module.startswith("contactsnes."):
-            try:
-                known = vars(importlib.import_module(module))
-            except ImportError:
-                known = {}
-            if cls not in known:
-                classes = [other for other, found in known.items()
-                           if getattr(found, "__module__", "") == module]
-                raise InputError(f"-{name} is '{path}', a class that there is not" + meant(
-                    cls, classes, ": files of methods, which contactsnes compare lists, name those "
-                    "that are there", f"{module}."))
 
 
 def _check_types():

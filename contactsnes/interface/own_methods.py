@@ -117,13 +117,25 @@ def blamed(error, registries):
     """
     if isinstance(error.__cause__, StopIteration):  # which generators wrap
         error = error.__cause__
-    frames = traceback.extract_tb(error.__traceback__)
-    for registry in registries:
-        for name in registry.own:
-            path = Path(name.rpartition(":")[0]).resolve()
-            inside = [frame for frame in frames if Path(frame.filename).resolve() == path]
-            if inside:
-                return (f"-scene_{registry.field} is '{name}': its {inside[0].name} fails "
-                        f"({type(error).__name__}: {error}; line {inside[-1].lineno} of the "
-                        "file); mend it")
-    return ""
+    return next(filter(None, (
+        failed(f"scene_{registry.field}", name, name.rpartition(":")[0], error)
+        for registry in registries for name in registry.own)), "")
+
+
+def failed(option, value, path, error):
+    """A sentence on an error that came out of the file at a path: option, method, error and place;
+    an empty text where it did not.
+
+    Parameters
+    ----------
+    option, value : str, that name what is in the file
+    path : of the file
+    error : Exception, with its traceback
+    """
+    path = Path(path).resolve()
+    inside = [frame for frame in traceback.extract_tb(error.__traceback__)
+              if Path(frame.filename).resolve() == path]
+    if not inside:
+        return ""
+    return (f"-{option} is '{value}': its {inside[0].name} fails ({type(error).__name__}: {error}; "
+            f"line {inside[-1].lineno} of the file); mend it")
