@@ -130,8 +130,9 @@ class Branch:
     @history.setter
     def history(self, points):
         """Take the points of an earlier run."""
-        self._history = resuming.on_path(restarting.earlier(points), self.scene.initial(self.load),
-                                         self.legs, self._controls, self.scene.loads)
+        earlier = restarting.earlier(points, self.contact)
+        self._history = resuming.on_path(earlier, self.scene.initial(self.load), self.legs,
+                                         self._controls, self.scene.loads)
 
     @property
     def method(self):
@@ -207,9 +208,8 @@ class Branch:
         packed."""
         lost = [name for name in KEPT if name not in packed]
         if lost:
-            raise InputError("a point to go on from says nothing of "
-                             f"{', '.join(lost)}: it was kept by another version "
-                             "of this program; begin anew")
+            raise InputError(f"a point to go on from says nothing of {', '.join(lost)}: it was "
+                             "kept by another version of this program; begin anew")
         window, field = numbers.restored(self.contact.grid, packed, packed["displacement"])
         state = State(window, np.array(field), np.array(packed["means"]))
         controls = tuple(FORCE if forced else DISPLACEMENT for forced in packed["forced"])

@@ -4,10 +4,10 @@ from dataclasses import fields
 
 import numpy as np
 
+from ..contact.observables import point_of
 from ..contact.state import State
-from ..continuation.points import Point
 from ..grid.windows import Window
-from ..options.arguments import of_class, several, whole
+from ..options.arguments import several, whole
 from ..options.fields import InputError, as_text
 from ..output import resuming
 from ..output.reading import Record, read
@@ -36,10 +36,10 @@ def beginning(archive, point, path, stop):
     return record, point, scene, Load(start=load_at(record, point, scene), path=path, stop=stop)
 
 
-def earlier(points):
-    """Points of an earlier run, a list; InputError for what are none."""
+def earlier(points, contact):
+    """Points of an earlier run of a contact, a list; InputError for what are none."""
     meant = "points of a branch along this path, oldest first"
-    return [of_class("a point of history", point, Point, meant)
+    return [point_of(contact, point, "a point of history", meant)
             for point in several("history", points, meant)]
 
 

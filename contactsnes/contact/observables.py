@@ -7,6 +7,7 @@ from typing import Callable, NamedTuple
 
 from ..continuation.points import Point
 from ..options.arguments import of_class
+from ..options.fields import InputError, as_text
 from ..scene.scene import Scene
 from . import contact_shape, rough_contact
 from .energies import BALANCES, energy_unit
@@ -193,6 +194,27 @@ def observe(contact, point, names=None):
     """
     of_class("contact", contact, Contact, "an object of contactsnes.Contact, for instance the "
              "contact of a branch")
-    of_class("point", point, Point, "a point of a branch")
-    measurement, rows = Measurement(contact, point), table(contact.scene)
+    measurement = Measurement(contact, point_of(contact, point))
+    rows = table(contact.scene)
     return {name: rows[name].function(measurement) for name in (rows if names is None else names)}
+
+
+def point_of(contact, point, name="point", meant="a point of a branch"):
+    """A point of the grid of a contact; InputError for another, whose nodes lie elsewhere.
+
+    Parameters
+    ----------
+    contact : Contact
+    point : Point
+    name, meant : str, as of `of_class`
+    """
+    there, here = of_class(name, point, Point, meant).state.window.grid, contact.grid
+    if (there.shape, there.periods) != (here.shape, here.periods):
+        raise InputError(f"{name} is of another grid ({_in_words(there)}) than the contact's "
+                         f"({_in_words(here)}): take the branch that it is of")
+    return point
+
+
+def _in_words(grid):
+    """Points and period of a grid in words."""
+    return f"{as_text(grid.shape)} points, period {as_text(grid.periods)} beta"

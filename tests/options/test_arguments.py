@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+from dataclasses import replace
 
 import pytest
 
@@ -70,6 +71,15 @@ def test_what_is_no_point_of_a_branch(branch):
     told(lambda: Branch(SCENE, LOAD, history=[1]), "a point of history is 1: give points of a ")
     told(lambda: branch.observe(3), "point is 3: give a point of a branch")
     told(lambda: observe(branch.contact, None), "point is None: give a point of a branch")
+
+
+@pytest.mark.parametrize("other, words", (({"points": 128}, "128 points, period 20 beta"),
+                                          ({"period": 40.0}, "64 points, period 40 beta")))
+def test_a_point_of_another_grid(other, words, branch):
+    point, scene = next(iter(branch)), replace(SCENE, **other)
+    said = f"is of another grid (64 points, period 20 beta) than the contact's ({words}): "
+    told(lambda: Branch(scene, LOAD).observe(point), f"point {said}")
+    told(lambda: Branch(scene, LOAD, history=[point]), f"a point of history {said}")
 
 
 def test_one_thing_in_the_place_of_another(branch):
