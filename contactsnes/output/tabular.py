@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..options.fields import InputError
+from ..scene.scene import Scene
 from . import resuming
 from .columns import instead
 from .extras import extra
@@ -105,12 +106,22 @@ def _units(records, names):
     """Unit of each column; InputError where an archive has another than those before it."""
     units = {}
     for record in records:
-        for name in set(names) & set(record):
-            unit = record.units.get(name, "")
+        for name in names:
+            unit = _unit(record, name)
+            if unit is None:
+                continue
             if units.setdefault(name, unit) != unit:
                 raise InputError(f"{record.path} has {name} in '{unit}', archives before it in "
                                  f"'{units[name]}': one table takes archives of one kind of units")
     return {name: units.get(name, "") for name in names}
+
+
+def _unit(record, name):
+    """Unit of a column, or of an attribute of the scene; None for what has none there."""
+    attribute = name.removeprefix(SCENE)
+    if name.startswith(SCENE) and attribute in record.scene:
+        return Scene.told_in(attribute, record.scene.get("units"))
+    return record.units.get(name, "") if name in record else None
 
 
 def chosen_rows(record, rows):

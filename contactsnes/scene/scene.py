@@ -19,7 +19,7 @@ from ..options.fields import InputError, as_text, extend, option
 from . import isolation, parts
 from .measured import INSTEAD
 from .resolution import default_spacing
-from .units import Units
+from .units import UNITS, Units
 
 
 @dataclass(frozen=True, repr=False)
@@ -153,6 +153,13 @@ class Scene(Units):
     def coupled(self):
         """Whether the body couples normal and tangential displacements by more than rounding."""
         return bodies.of(self).coupled(self)
+
+    @classmethod
+    def told_in(cls, name, units):
+        """Unit of an attribute of a scene in an archive, by its ``units``; empty where there is
+        none."""
+        unit = cls.rule(name)["unit"] if name in cls.__dataclass_fields__ else ""
+        return UNITS.get(unit, unit) if units == "si" else unit
 
 
 def changed(scene, **values):

@@ -94,6 +94,25 @@ def test_a_table_refuses_what_does_not_fit(tmp_path):
         "scene_period"][0] == "6.0,4.0"
 
 
+def test_attributes_of_scenes_have_their_units(tmp_path):
+    scenes = {"a.h5": {"period": 20.0, "contact_threshold": 1.0},
+              "b.h5": {"period": 0.02, "contact_threshold": 2.0, "units": "si"}}
+    for name, scene in scenes.items():
+        made = Archive.create(tmp_path / name, scene=scene, options="", versions={},
+                              columns={"leg": Column("", "i8")})
+        made.append({"leg": 0}, {})
+        made.finish()
+    one, other = (tmp_path / name for name in scenes)
+    asked = TableOptions(columns="scene_period,scene_contact_threshold,leg")
+    for path, unit in ((one, "beta"), (other, "m")):
+        assert lines(tabular.as_csv(tabular.tabulate([path], asked), units=True))[0] == [
+            f"scene_period [{unit}]", "scene_contact_threshold [delta_n]", "leg"]
+    with pytest.raises(InputError, match="scene_period in 'm', archives before it in 'beta'"):
+        tabular.tabulate([one, other], asked)
+    asked = TableOptions(columns="scene_contact_threshold")
+    assert tabular.tabulate([one, other], asked).columns[asked.columns].tolist() == [1.0, 2.0]
+
+
 def test_a_table_of_a_study_tells_its_runs_apart(tmp_path):
     paths = [archive(tmp_path / f"{number}.h5", friction=friction, options=(
         f'-load_path "normal_force={force}" -scene_residual_friction {friction} '

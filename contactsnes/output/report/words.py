@@ -7,7 +7,6 @@ import numpy as np
 
 from ...options.files import is_option
 from ...scene.scene import Scene
-from ...scene.units import UNITS
 
 GREEK = {"beta": "β", "phi": "φ", "delta": "δ"}
 
@@ -72,12 +71,10 @@ def loads(record, point, digits=5):
 
 def scene_rows(record):
     """What the scene is made of: option, value, unit and meaning."""
-    in_si = record.scene.get("units") == "si"
     rows = []
     for name, value in sorted(record.scene.items()):
         rule = Scene.rule(name) if name in Scene.__dataclass_fields__ else None
-        unit = rule["unit"] if rule else ""
-        unit = UNITS.get(unit, unit) if in_si else unit
+        unit = Scene.told_in(name, record.scene.get("units"))
         shown = ", ".join(map(number, np.asarray(value).tolist())) if np.ndim(value) else number(
             np.asarray(value).item())
         rows.append([f"<code>{html.escape(name)}</code>", shown, symbol(unit),
