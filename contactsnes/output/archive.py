@@ -239,11 +239,12 @@ class Archive:
         stored.Fields(file).check()  # what is copied later on has to be whole
 
     def _last(self, file):
-        """State and leg of the last point."""
+        """State and leg of the last point, 0 of paths that have none."""
         if self._waiting:
-            return self._waiting[-1].state, self._waiting[-1].row["leg"]
+            return self._waiting[-1].state, self._waiting[-1].row.get("leg", 0)
         states = [{}, *map(stored.unpack, stored.states(file, self._store.held).values())]
-        return states[-1], file["branch/leg"][self._store.held - 1]
+        legs = file["branch"].get("leg")
+        return states[-1], 0 if legs is None else legs[self._store.held - 1]
 
     def _check_layout(self, file):
         """Raise if a file keeps other fields or columns than this run; keep modes if it does."""

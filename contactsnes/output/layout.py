@@ -102,6 +102,9 @@ class Layout:
                     raise ArchiveError(
                         f"{name} cannot be {row[name]!r}; it can be one of {column.names}.")
                 numbers[name] = column.names.index(row[name])
+            elif np.ndim(row[name]) or np.iscomplexobj(row[name]):
+                raise ArchiveError(f"{name} is {row[name]!r}: a row has one real number for each "
+                                   "column")
         return numbers
 
     def checked(self, given):

@@ -262,6 +262,27 @@ def test_rows_beyond_points_are_dropped(tmp_path):
     check(archive.path, "all")
 
 
+def test_columns_of_ones_own_are_resumed(tmp_path):
+    mine = content(columns={"force": ("w_n,r",)}, options="")
+    made = Archive.create(tmp_path / "own.h5", **mine)
+    made.append({"force": 0.5}, {})
+    made.settle()
+    more = Archive.resume(made.path, **mine)
+    more.append({"force": 0.75}, {})
+    more.finish()
+    assert read(made.path)["force"].tolist() == [0.5, 0.75]
+
+
+@pytest.mark.parametrize("value", ([1.0, 2.0], np.zeros(1), 1j))
+def test_what_is_no_number_is_refused_before_it_is_written(tmp_path, value):
+    made = Archive.create(tmp_path / "own.h5", **content(columns={"force": ("w_n,r",)}))
+    with pytest.raises(ArchiveError, match="force is .*: a row has one real number"):
+        made.append({"force": value}, {})
+    made.append({"force": np.array(0.5)}, {})
+    made.finish()
+    assert read(made.path)["force"].tolist() == [0.5]
+
+
 def test_nothing_to_resume_starts_anew(tmp_path):
     path = tmp_path / "run.h5"
     assert Archive.resume(path, **content()).points == 0 and path.exists()
