@@ -145,7 +145,7 @@ def _begun(words, interrupts):
         return told(f"contactsnes {__version__}")
     if command not in COMMANDS:
         return _no_command(command)
-    assemble(command)
+    assemble(command, arguments)
     if command == "run":
         return run(arguments, interrupts)
     settled()

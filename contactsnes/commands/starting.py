@@ -8,6 +8,7 @@ from .. import __version__
 from ..options.database import BEGINNING, database, install
 from ..options.fields import InputError
 from ..options.files import entries
+from ..options.words import asks_for_help
 from ..system.devices import checksum
 from ..system.processes import launched, missing, world
 from .speech import complain
@@ -21,9 +22,9 @@ AT_START = ("log_", "malloc", "info", "fp_trap", "on_error_", "start_in_debugger
 _OTHERS = {}
 
 
-def assemble(command):
-    """Be one of the processes that a launcher has started for a command; InputError where they
-    cannot do it together."""
+def assemble(command, words):
+    """Be one of the processes that a launcher has started for a command with some words; InputError
+    where they cannot do it together."""
     size, rank = launched()
     if size == 1:
         return
@@ -35,6 +36,13 @@ def assemble(command):
     if world.size != size:
         _refuse(size, rank, f"MPI knows of {world.size}: mpi4py belongs to another MPI than the "
                 "launcher; take the mpirun of the MPI that mpi4py is built with, or one process")
+    asked = f"{command} -help" if asks_for_help(words) else command
+    first, *others = world.everywhere(asked)
+    for rank, other in enumerate(others, start=2):
+        if other != first:
+            raise InputError(f"process {rank} of {size} differs from the first one: contactsnes "
+                             f"{other} is asked for there and {first} in the first; give all the "
+                             "same")
     if command not in SHARED:
         raise InputError(f"started as {size} processes, but contactsnes {command} is done by one: "
                          "start it without mpirun or srun, or with -n 1")

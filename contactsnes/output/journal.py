@@ -51,6 +51,7 @@ class Journal:
         does not take them."""
         if self._file is None:
             self._file = os.open(self.path, FLAGS, 0o666)
+        if not self.size:  # new, or one that did not take its heading before
             self._write(_heading(self.key))
         self._write(encoded(point, arrays))
 

@@ -72,6 +72,22 @@ def test_a_removed_journal_begins_anew(tmp_path):
     assert len(journal.entries(path, KEY, 3)) == 1
 
 
+def test_a_journal_that_a_disk_did_not_take_begins_with_its_heading(tmp_path, monkeypatch):
+    made, write = journal.Journal(tmp_path / "run.h5.journal", KEY), journal.os.write
+
+    def full(file, data):
+        if data[20:]:
+            return write(file, data[:20])
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(journal.os, "write", full)
+    with pytest.raises(OSError):
+        made.append(1, arrays(1))
+    monkeypatch.setattr(journal.os, "write", write)
+    made.append(1, arrays(1))
+    assert same(journal.entries(made.path, KEY, 1)[0], arrays(1))
+
+
 def test_objects_are_refused(tmp_path):
     with pytest.raises(ArchiveError, match="'bad' is neither"):
         journal.encoded(1, {"bad": np.array([object()])})

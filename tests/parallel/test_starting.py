@@ -114,14 +114,26 @@ sys.exit(main(["run", *{PLANE!r}, "-scene_geometry", "file", "-scene_geometry_fi
     refused(program(2, text, tmp_path, fresh=True), *words)
 
 
+@together
+@pytest.mark.parametrize("second", (["info"], ["run", "-help"], ["plot"]))
+def test_processes_with_other_commands_are_told(second, tmp_path):
+    text = f"""
+import sys
+from contactsnes.commands.cli import main
+from contactsnes.system.processes import launched
+sys.exit(main([*({second!r} if launched()[1] else ["run"]), *{PLANE!r}]))"""
+    refused(program(2, text, tmp_path, fresh=True), "process 2 of 2", " ".join(second),
+            "and run in the first")
+
+
 def test_a_launcher_without_packages_is_refused(monkeypatch):
     monkeypatch.setattr(starting, "launched", lambda: (2, 0))
     monkeypatch.setattr(starting, "missing", lambda: ["mpi4py"])
     with pytest.raises(InputError, match="2 processes.*mpi4py"):
-        starting.assemble("run")
+        starting.assemble("run", [])
     monkeypatch.setattr(starting, "launched", lambda: (2, 1))
     with pytest.raises(SystemExit) as stop:
-        starting.assemble("run")
+        starting.assemble("run", [])
     assert stop.value.code == 0
 
 
@@ -131,7 +143,7 @@ def test_processes_that_mpi_does_not_know_of_are_refused(monkeypatch):
     monkeypatch.setattr(starting, "missing", lambda: [])
     monkeypatch.setattr(starting.world, "join", lambda: None)
     with pytest.raises(InputError, match="MPI knows of 1"):
-        starting.assemble("run")
+        starting.assemble("run", [])
 
 
 def test_files_of_a_scene_are_found(tmp_path):
