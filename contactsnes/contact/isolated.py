@@ -58,7 +58,15 @@ def half_width(scene, force):
 
 
 def lay_out(scene, force):
-    """The periodic scene on whose cell an isolated one is solved under forces up to a given one."""
+    """The periodic scene on whose cell an isolated one is solved under forces up to a given one.
+
+    Raises InputError where contact may end beyond the nodes that are laid out.
+    """
+    if scene.contact_threshold > laws.of(scene).certain:
+        raise InputError(f"-scene_contact_threshold is '{scene.contact_threshold:g}': an "
+                         "isolated contact (-scene_period inf) has nodes within the law's range; "
+                         f"allowed is at most {laws.of(scene).certain:g}, or take a finite "
+                         "-scene_period")
     extent = ROOM[scene.dimension] * 1.1 * half_width(scene, force)
     points = [16 * fast_length(math.ceil(max(extent / spacing, 128.0) / 16))
               for spacing in scene.spacings]

@@ -32,8 +32,7 @@ holds."""
 SUPPORT = 2
 """Nodes about one in contact that an interpolation of the edge of contact there may ask for."""
 ROOM = 3.0
-"""Gap beyond that of contact, ranges of the law, of nodes that a window reckons with as in contact
-later."""
+"""Gap beyond that of contact, ranges, of nodes that a window reckons with as in contact later."""
 
 
 @unpicklable("pickle its scene, and make another one of that, Contact(scene, ...)")
@@ -221,8 +220,7 @@ class Contact:
                        kernels=self.kernels)
 
     def couples(self):
-        """Whether a normal load moves the interface sideways (Poisson ratio below 1/2, or a thin
-        layer)."""
+        """Whether a normal load moves the interface sideways: compressible bodies, thin layers."""
         return (0, 1) in self.operator(self.scene.components).blocks
 
     def load_factor(self, components):
@@ -277,8 +275,10 @@ class Contact:
         return outside
 
     def window(self, normal_gap, half=None):
-        """The window around nodes of the cell, or its half, within the law's range by their gap."""
-        near = normal_gap < self.law.range
+        """The window around nodes of the cell, or its half, within the law's range by their gap, or
+        all nodes where contact may go beyond it."""
+        far = self.scene.contact_threshold > self.law.certain
+        near = normal_gap < (np.inf if far else self.law.range)
         if self.convex or self.grid.shared:
             return enclosing(self.grid, near, 0.05, half)
         return fitting(self.grid, near if half is None

@@ -243,6 +243,11 @@ def test_scenes_that_are_refused(scene, words):
         Scene(**scene)
 
 
+def test_contact_that_may_end_beyond_the_nodes_laid_out_is_refused():
+    with pytest.raises(InputError, match="-scene_contact_threshold is '40': .* at most 30"):
+        list(Branch(replace(LINE, contact_threshold=40.0), still(2)))
+
+
 @pytest.mark.parametrize("load", [Load(path="normal_displacement=1"),
                                   Load(path="normal_displacement=hold"),
                                   Load(start="normal_displacement=0", path="normal_force=1"),

@@ -161,3 +161,26 @@ def test_fields_at_the_edge_are_cubic_in_boxes_in_several_and_around_the_border(
             turn = (turn + np.pi) % (2.0 * np.pi) - np.pi
             np.testing.assert_allclose(np.sort(found[1]), np.sort(np.sin(turn) - 0.03), atol=1e-6)
     assert counts[0] >= counts[1] > 0
+
+
+@pytest.mark.parametrize("scene", [
+    {**LINE, "contact_threshold": 60.0},
+    {**LINE, "law": "dugdale", "dugdale_width": 0.01, "normal_maugis": 0.8, "points": 4096},
+    {**PLANE, "period": 20.0, "contact_threshold": 60.0},
+    {**PLANE, "geometry": "sinusoid", "amplitude": 20.0, "contact_threshold": 50.0},
+    {**PLANE, "geometry": "rough", "rough_slope": 16.0, "rough_shortest": 2.0, "rough_seed": 3,
+     "rough_on": "flat", "normal_maugis": 1.5, "contact_threshold": 45.0}])
+def test_contact_may_go_beyond_the_range_of_the_law(scene):
+    """Its size is that of all nodes below the threshold, to half of those at its edge."""
+    reached = False
+    for _, row, gap, *_ in rows_with_fields(scene, start="normal_displacement=0.5",
+                                            path="normal_displacement=0.6"):
+        touching = gap < scene.get("contact_threshold", math.e) / scene["normal_maugis"]
+        node = np.prod(Contact(Scene(**scene)).grid.spacings)
+        steps = sum(np.count_nonzero(touching != np.roll(touching, 1, axis))
+                    for axis in range(touching.ndim))
+        assert not touching.all()
+        assert row["contact_area"] == pytest.approx(node * np.count_nonzero(touching),
+                                                    abs=0.51 * node * steps)
+        reached = True
+    assert reached

@@ -42,8 +42,9 @@ class Dugdale(Modified):
     def range(self):
         """Normal gap beyond which there is no attraction: it is below rounding after 37 widths.
         Where these are short it is told as more, so that the window is wider: in one just as wide
-        as the attraction Newton's steps end on other equilibria."""
-        return self.end + max(37.0 * self.dugdale_width, min(36.0, 100.0 * self.dugdale_width))
+        as the attraction Newton's steps end on other equilibria, and contact, up to e ranges by
+        default, may go beyond it."""
+        return self.end + max(37.0 * self.dugdale_width, min(36.0, 100.0 * self.dugdale_width), 3.0)
 
     @property
     def deepest(self):
