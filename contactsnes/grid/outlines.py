@@ -16,7 +16,7 @@ class Outline(NamedTuple):
     ----------
     ends : array (pieces, 2, directions), beta: on a line left and right end of each interval, on a
         plane ends of straight pieces of the edge, the inside on their left
-    around : whether it meets itself around the cell in each direction
+    around : whether it goes around the cell, or across its border, in each direction
     """
 
     ends: np.ndarray
@@ -69,10 +69,19 @@ def outline(window, values, level, crossed=crossings):
     boxes = np.reshape(window.box(values, beyond), shape)
     made = partial(_intervals, crossed) if boxes.ndim == 2 else _pieces
     ends = [made(part, box, level) for part, box in zip(window.parts, boxes)]
-    around = tuple(closed and any(part.occupied(box < level, axis)[[0, -1]].any()
-                                  for part, box in zip(window.parts, boxes))
-                   for axis, closed in enumerate(window.parts[0].closed))
-    return Outline(window.grid.joined(np.concatenate(ends)), around)
+    joined = window.grid.joined(np.concatenate(ends))
+    periods = np.array(window.grid.periods)
+    # (boxes go on beyond the border of the cell)
+    joined = joined - periods * np.floor(joined.mean(axis=1, keepdims=True) / periods + 0.5)
+    return Outline(joined, tuple(any(_at_border(part, box < level, axis)
+                                     for part, box in zip(window.parts, boxes))
+                                 for axis in range(len(window.parts[0].shape))))
+
+
+def _at_border(part, inside, axis):
+    """Whether some of a mask over a box lies at the border of the cell in a direction."""
+    occupied, total = part.occupied(inside, axis), part.grid.shape[axis]
+    return bool(occupied[(part.start[axis] + np.arange(len(occupied)) + 1) % total < 2].any())
 
 
 def _places(part, places):

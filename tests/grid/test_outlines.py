@@ -95,6 +95,27 @@ def test_a_contact_around_the_cell_one_way_has_a_centroid_the_other_way():
         assert np.isnan(found.centroid(1 - axis)) and np.isnan(found.extent(1 - axis)).all()
 
 
+@pytest.mark.parametrize("centre", [1.55, 1.6, 1.9, 2.0, -1.9, -1.6, -1.55])
+def test_a_box_across_the_border_tells_what_the_whole_cell_does(centre):
+    """A contact of half width 0.3 in a cell of 4, its box from 1 to 3: on one side of the
+    border its places are in the cell, across it none."""
+    grid = Grid((64, 64), (4.0, 4.0))
+    (x,) = Grid((64,), (4.0,)).coordinates()
+    line = ((x - centre + 2.0) % 4.0 - 2.0) ** 2
+    for one, values, box in ((Grid((64,), (4.0,)), line, ((48,), (32,))),
+                             (grid, np.add.outer(line, x ** 2), ((48, 20), (32, 24)))):
+        whole, part = (outline(window, window.take(values).reshape(-1), 0.09)
+                       for window in (one.whole, Window(one, *box)))
+        across = abs(centre) > 1.7
+        assert whole.around == part.around == (across, *[False] * (len(one.shape) - 1))
+        told = [[found.centroid(axis), *found.extent(axis)] for found in (whole, part)
+                for axis in range(len(one.shape))]
+        half = len(told) // 2
+        np.testing.assert_allclose(told[:half], told[half:], rtol=0.0, atol=1e-12)
+        known = [np.nan] * 3 if across else [centre, centre - 0.3, centre + 0.3]
+        np.testing.assert_allclose(told[half], known, rtol=0.0, atol=1e-4)
+
+
 def test_intervals_of_a_line():
     grid = Grid((256,), (2 * np.pi,))
     (x,) = grid.coordinates()
