@@ -36,10 +36,6 @@ SNES_REASONS, KSP_REASONS = _names(PETSc.SNES.ConvergedReason), _names(PETSc.KSP
 COLD, WARM = 200, 16
 """Most Newton iterations of a solve from afar, and of a step: one that needs more is better made
 shorter."""
-FIRST_FORCING = {1: 0.1, 2: 0.02}
-"""Residual of a solve's first linear system over its right side, by the dimension of the interface:
-the linear part of a step on a rough plane is so good that solving it further saves the third
-iteration of Newton's method, a tenth of the transforms. Lines, and smooth planes, gain nothing."""
 
 
 def equip(snes, form, single=False, packed=False):
@@ -95,21 +91,12 @@ def full_steps(database, kind):
             database.delValue(name)
 
 
-def follow_progress(snes, form):
-    """Solve the linear systems of a form's SNES as accurately as its progress deserves: forcing
-    terms 0.5 (|F|/|F_old|)^1.6 (Eisenstat and Walker, SIAM J. Sci. Comput. 17, 16, 1996, their
-    choice 2), the first one of `FIRST_FORCING`."""
-    snes.setUseEW(True)
-    snes.setParamsEW(version=2, rtol_0=FIRST_FORCING[len(form.grid.shape)], rtol_max=0.1, gamma=0.5,
-                     alpha=1.6)
-
-
 def create_snes(form, prefix="", tolerance=None, single=False, packed=False):
     """The SNES of a form, set up by our defaults and then by the user's options.
 
     Defaults: newtonls with full steps in the regularised gap, matrix-free Jacobian, fgmres with the
-    form's own preconditioner, linear tolerances of `follow_progress`, -snes_atol 1e-8, -snes_rtol
-    and -snes_stol 0.
+    form's own preconditioner, Eisenstat-Walker forcing 0.5 (|F|/|F_old|)^1.6 from 0.1, -snes_atol
+    1e-8, -snes_rtol and -snes_stol 0.
 
     Parameters
     ----------
@@ -130,7 +117,8 @@ def create_snes(form, prefix="", tolerance=None, single=False, packed=False):
     with full_steps(database, kind):
         smoothers = create_levels(snes, form, equip) if kind == "fas" else []
         if method.forcing and not database.hasName("ksp_rtol"):
-            follow_progress(snes, form)
+            snes.setUseEW(True)
+            snes.setParamsEW(version=2, rtol_0=0.1, rtol_max=0.1, gamma=0.5, alpha=1.6)
         callbacks.set_from_options(snes)
     callbacks.share_work(snes, form)
     if tolerance is not None:

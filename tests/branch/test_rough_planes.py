@@ -22,7 +22,7 @@ from contactsnes.contact.problem import DISPLACEMENT, FORCE  # noqa: E402
 from contactsnes.continuation.points import Leg, NoWayBack  # noqa: E402
 from contactsnes.dynamics import jumps  # noqa: E402
 from contactsnes.scene.settings import Form, Steps  # noqa: E402
-from contactsnes.solvers.patience import Patience  # noqa: E402
+from contactsnes.solvers.patience import FURTHEST, Patience, first_forcing  # noqa: E402
 
 PERIOD, WAVES, SLOPE, SEED = 12.0, (3.0, 0.75), 2.0, 0
 START, END = -0.3, 0.0
@@ -267,6 +267,13 @@ def test_patience_ends_where_a_residual_does_not_fall(norms, reason):
         lost = reason == "DIVERGED_DTOL" and not short
         assert found[-1] == (reasons.ITERATING if lost else getattr(reasons, reason))
     snes.destroy()
+
+
+@pytest.mark.parametrize("part", np.geomspace(1e-10, 0.5, 40))
+def test_a_first_linear_system_is_solved_as_far_as_two_iterations_need(part):
+    first = first_forcing(part, rtol_0=0.1, gamma=0.5, alpha=1.6, version=2)
+    furthest, least = (each * 0.5 * each ** 1.6 for each in (FURTHEST, 0.1))
+    assert first * 0.5 * first ** 1.6 == pytest.approx(part if furthest < part < least else least)
 
 
 def test_motions_spread_to_spots_far_apart():

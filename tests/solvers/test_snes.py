@@ -142,7 +142,7 @@ def test_the_forcing_can_be_switched_off_alone(options):
 
 
 def test_a_first_system_that_is_solved_further_saves_iterations(options):
-    """On a rough plane, against steps whose first system is solved as far as a line's."""
+    """As far as two iterations need, on a rough plane, against a fixed tolerance."""
     scene = Scene(dimension=2, points=128, period=12.0, height=math.inf, normal_maugis=2.0,
                   geometry="rough", rough_on="flat", rough_hurst=0.8, rough_longest=3.0,
                   rough_shortest=0.75, rough_slope=6.0, rough_seed=1)
