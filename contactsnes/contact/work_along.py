@@ -11,6 +11,12 @@ MOST = 4
 TWINS = 1e-4
 """Part of a step below which points are too near to each other to tell of a slope: what solves
 leave of their balances would make one."""
+REACH = 0.3
+"""Extent of a force over that of its displacement, at most, in the second length that is tried:
+where a force that rises many times over counts for all, displacements swing between points."""
+SURER = 0.5
+"""Part of the first length's doubt below which the second one is taken."""
+LIMITS = np.array([TWINS, REACH, SURER])
 
 
 @cache
@@ -27,7 +33,8 @@ def rules():
 
 def path_work(displacements, forces, give, weights, first, compiled):
     """Work of forces over displacements from point number ``first`` of a path to its last one:
-    `line_work` of the points that are `apart`, as far as it can be ``held``.
+    `line_work` of the points that are `apart`, as far as it can be ``held``, by the less doubtful
+    of two lengths, one in which forces reach no further than displacements.
 
     Parameters
     ----------
@@ -35,10 +42,43 @@ def path_work(displacements, forces, give, weights, first, compiled):
     compiled : bool, whether the library is asked
     """
     if compiled:
-        return points.path_work(displacements, forces, give, weights, first, TWINS, rules())
+        return points.path_work(displacements, forces, give, weights, first, LIMITS, rules())
     kept, first = apart(displacements, forces, give, first)
     along = displacements[kept], forces[kept]
-    return held(line_work(*along, give, weights, first, gauss(len(kept))), *along, weights, first)
+    work, doubt = doubted(*along, give, weights, first)
+    less = reaching(*along, give)
+    if 2 < len(kept) == len(apart(*along, less, first)[0]):
+        other, its = doubted(*along, less, weights, first)
+        work = other if its < SURER * doubt else work
+    return held(work, *along, weights, first)
+
+
+def reaching(displacements, forces, give):
+    """How much gives way to each force, or less, so that none reaches further than `REACH` of its
+    displacement.
+
+    Parameters
+    ----------
+    displacements, forces, give : as of `line_work`
+    """
+    moved, pushed = np.ptp(displacements, axis=0), np.ptp(forces, axis=0)
+    return np.where(pushed * give > REACH * moved, REACH * moved / np.maximum(pushed, 1e-300), give)
+
+
+def doubted(displacements, forces, give, weights, first):
+    """(work, doubt) of `line_work`: what it changes by without one of its points.
+
+    Parameters
+    ----------
+    displacements, forces, give, weights, first : as of `line_work`
+    """
+    count, left = len(displacements), int(first == 0)
+    work = line_work(displacements, forces, give, weights, first, gauss(count))
+    if count == 2:
+        return work, 0.0
+    some = np.arange(count) != left
+    return work, abs(work - line_work(displacements[some], forces[some], give, weights,
+                                      max(first - 1, 0), gauss(count - 1)))
 
 
 def line_rule(places, first, rule):

@@ -178,7 +178,7 @@ CALLS = {"forward": [_pointer, _long], "backward": [_pointer, _long],
          "reaches": [_long, _long, _pointer, _pointer, *[_double] * 4, _pointer, _pointer],
          "alternation": [_long, _long, _long, _pointer, ctypes.c_int, ctypes.c_int, _long],
          "alternation_of_halves": [_long, _long, _pointer, _pointer, ctypes.c_int, _double],
-         "path_work": [_long, _long, _long, *[_pointer] * 4, _double, _pointer],
+         "path_work": [_long, _long, _long, *[_pointer] * 6],
          "releases": [_pointer, _long, _long, *[_pointer] * 6, _long, *[_pointer] * 3, _double,
                       _pointer]}
 """What Python calls, and with what; a result that is none of `RETURNED` is a status."""

@@ -620,6 +620,14 @@ static double square_between(const Path *p, long one, long other)
     return sum;
 }
 
+/* Appends a point of another path to one that has room for it. */
+static void add_point(Path *p, const Path *other, long number, double *displacements, double *forces)
+{
+    memcpy(displacements + p->count * p->m, other->displacements + number * p->m, p->m * sizeof *displacements);
+    memcpy(forces + p->count * p->m, other->forces + number * p->m, p->m * sizeof *forces);
+    p->count++;
+}
+
 /* Marks the points without those that are `twins` of others beside the way from point number `first` to the
    last one; both stay. */
 static void without_twins(const Path *p, long first, double twins, int *kept)
@@ -689,25 +697,74 @@ static double held(double work, const Path *p, long first)
     return fabs(work - chords) <= doubt ? work : chords;
 }
 
+/* Gauss and Legendre's rule of so many points: places, before shares, of those of two points on. */
+static const double *rule_of(long count, const double *rules)
+{
+    for (long k = 2; k < count; k++) rules += 2 * k;
+    return rules;
+}
+
+/* `line_work` by some rules; *doubt: what it changes by without one of the points. */
+static double doubted(const Path *p, long first, const double *rules, double *doubt)
+{
+    const long count = p->count, m = p->m, left = first == 0;
+    const double *rule = rule_of(count, rules), *fewer = rule_of(count - 1, rules);
+    const double work = line_work(p, first, rule, rule + count);
+    *doubt = 0.0;
+    if (count == 2) return work;
+    double moved[POINTS * MOST], pushed[POINTS * MOST];
+    Path some = {0, m, moved, pushed, p->give, p->weights};
+    for (long k = 0; k < count; k++)
+        if (k != left) add_point(&some, p, k, moved, pushed);
+    *doubt = fabs(work - line_work(&some, first > 0 ? first - 1 : 0, fewer, fewer + count - 1));
+    return work;
+}
+
+/* less: how much gives way to each force of points, or less, so that none goes further than a part `reach` of its
+   displacement. */
+static void reaching(const Path *p, double reach, double *less)
+{
+    for (long i = 0; i < p->m; i++) {
+        double low[2], high[2];
+        const double *of[2] = {p->displacements, p->forces};
+        for (int one = 0; one < 2; one++) {
+            low[one] = high[one] = of[one][i];
+            for (long k = 1; k < p->count; k++) {
+                low[one] = fmin(low[one], of[one][k * p->m + i]);
+                high[one] = fmax(high[one], of[one][k * p->m + i]);
+            }
+        }
+        const double moved = high[0] - low[0], pushed = high[1] - low[1];
+        less[i] = pushed * p->give[i] > reach * moved ? reach * moved / fmax(pushed, 1e-300) : p->give[i];
+    }
+}
+
 /* Work of forces over displacements (count, m) from point number `first` of a path to its last one, as
-   contact/work_along.py has it. rules: Gauss and Legendre's of two points on, the places of each before its
-   shares. */
+   contact/work_along.py has it. limits: its TWINS, REACH and SURER; rules: Gauss and Legendre's of two points on,
+   the places of each before its shares. */
 double path_work(long count, long first, long m, const double *displacements, const double *forces,
-                 const double *give, const double *weights, double twins, const double *rules)
+                 const double *give, const double *weights, const double *limits, const double *rules)
 {
     const Path given = {count, m, displacements, forces, give, weights};
-    double moved[POINTS * MOST], pushed[POINTS * MOST];
-    Path path = {0, m, moved, pushed, give, weights};
+    double moved[POINTS * MOST], pushed[POINTS * MOST], less[MOST], doubt, other;
+    Path path = {0, m, moved, pushed, give, weights}, leaner = path;
     int kept[POINTS];
-    long begin = 0;
-    without_twins(&given, first, twins, kept);
+    long begin = 0, all = 1;
+    without_twins(&given, first, limits[0], kept);
     for (long k = 0; k < count; k++) {
         if (!kept[k]) continue;
         begin = k == first ? path.count : begin;
-        memcpy(moved + path.count * m, displacements + k * m, m * sizeof *moved);
-        memcpy(pushed + path.count * m, forces + k * m, m * sizeof *pushed);
-        path.count++;
+        add_point(&path, &given, k, moved, pushed);
     }
-    for (long k = 2; k < path.count; k++) rules += 2 * k;
-    return held(line_work(&path, begin, rules, rules + path.count), &path, begin);
+    double work = doubted(&path, begin, rules, &doubt);
+    reaching(&path, limits[1], less);
+    leaner.count = path.count;
+    leaner.give = less;
+    without_twins(&leaner, begin, limits[0], kept);
+    for (long k = 0; k < path.count; k++) all &= kept[k];
+    if (all && path.count > 2) {
+        const double found = doubted(&leaner, begin, rules, &other);
+        work = other < limits[2] * doubt ? found : work;
+    }
+    return held(work, &path, begin);
 }

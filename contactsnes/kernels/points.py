@@ -160,15 +160,15 @@ def alternation_of_halves(fields, signs, closed, least):
                                           least)
 
 
-def path_work(displacements, forces, give, weights, first, twins, rules):
+def path_work(displacements, forces, give, weights, first, limits, rules):
     """Work along a path, as of `contact.work_along.path_work`.
 
     Parameters
     ----------
     displacements, forces, give, weights, first : as of that
-    twins : part of a step below which points are too near to each other
+    limits : array of its `TWINS`, `REACH` and `SURER`
     rules : array, places and shares of the rules of Gauss and Legendre of two points on
     """
     given = _flat(displacements, forces, give, weights)
     return shared().path_work(len(displacements), first, len(give), *map(address, given),
-                              twins, address(rules))
+                              address(limits), address(rules))

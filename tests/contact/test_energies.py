@@ -12,7 +12,7 @@ from contactsnes.commands.progress import Progress
 from contactsnes.contact import states
 from contactsnes.contact.energies import PathEnergies, stored, straight
 from contactsnes.contact.observables import observe
-from contactsnes.contact.work_along import apart, gauss, held, line_rule, line_work
+from contactsnes.contact.work_along import apart, gauss, held, line_rule, line_work, path_work
 from contactsnes.interface.laws.mcgarry import McGarry
 from contactsnes.interface.laws.modified import Modified
 
@@ -169,6 +169,32 @@ def test_twins_on_a_path_tell_of_no_slope(twin):
                    for numbers, begin in (([0, 1, 2, 3], first), (kept, place)))
     assert abs(work - exact) < 1e-3 * exact < abs(swung - exact)
     assert apart(gaps[[0, 1, 3], None], along[1][[0, 1, 3]], unit, 0) == ([0, 1, 2], 0)
+
+
+@pytest.mark.parametrize("size", [1e-2, 1.0, 1e4])
+def test_works_against_forces_that_rise_many_times_over(size):
+    """A force exp(6 a) against a, in steps of 0.3: a chord in which it counts for all is that of
+    its last step, along which displacements swing."""
+    gaps, unit = np.arange(0.0, 2.5, 0.3), np.ones(1)
+    forces, errors = size * np.exp(6.0 * gaps), []
+    for last in range(3, len(gaps)):
+        along = gaps[last - 3:last + 1, None], forces[last - 3:last + 1, None]
+        exact = (forces[last] - forces[last - 1]) / 6.0
+        swung = held(line_work(*along, unit, unit, 2, gauss(4)), *along, unit, 2)
+        errors.append((path_work(*along, unit, unit, 2, False) / exact - 1.0, swung / exact - 1.0))
+    worst, before = np.abs(errors).max(axis=0)
+    assert worst < 0.03 and before > 3.0 * worst
+
+
+def test_works_of_full_contact_are_what_is_stored():
+    """Bodies that touch everywhere, pressed in default steps: the normal force rises from nothing
+    to three million, and all of its work is stored."""
+    scene = {"geometry": "sinusoid", "points": 128, "period": 6.0, "height": 5.0,
+             "normal_maugis": 2.0, "tangential": "off"}
+    _, _, numbers = points(scene, "normal_displacement=6", start="normal_displacement=0")
+    assert numbers[-1]["normal_force"] > 3e6
+    # (0.042, where forces count for all of the length)
+    assert abs(numbers[-1]["energy_imbalance"]) < 3e-3 * numbers[-1]["external_work"]
 
 
 def test_works_of_a_steep_fall_stay_near_what_is_stored():
