@@ -34,7 +34,7 @@ def rules():
 def path_work(displacements, forces, give, weights, first, compiled):
     """Work of forces over displacements from point number ``first`` of a path to its last one:
     `line_work` of the points that are `apart`, as far as it can be ``held``, by the less doubtful
-    of two lengths, one in which forces reach no further than displacements.
+    of two lengths, that of all forces and one in which they are `reaching` less far.
 
     Parameters
     ----------
