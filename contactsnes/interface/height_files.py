@@ -121,14 +121,20 @@ def _are_points(table):
 
 def _read_table(filename, _=""):
     """Rows of numbers, separated by blanks, tabulators, semicolons or commas, after lines that are
-    none; an empty cell is a hole."""
+    none; an empty cell, and what is no number, is a hole. A separator that ends every row separates
+    nothing."""
     lines = Path(filename).read_text(encoding="utf-8-sig", errors="replace").splitlines()
     lines = [line.split("#")[0].rstrip(" \r") for line in lines]
+    lines = [line for line in lines if line.strip()]
     first = next((place for place, line in enumerate(lines) if _is_row(line)), len(lines))
-    rows = [line for line in lines[first:] if line.strip()]
+    while 0 < first < len(lines) and _is_row_with_holes(lines[first - 1], lines[first]):
+        first -= 1
+    rows = lines[first:]
     if not rows:
         raise ValueError("there are no numbers in it")
     separator = _separator(rows[-1])
+    if separator and all(row.endswith(separator) for row in rows):
+        rows = [row.removesuffix(separator) for row in rows]
     if separator == ";":
         rows = [row.replace(",", ".") for row in rows]
     try:
@@ -144,16 +150,36 @@ def _separator(row):
 
 def _is_row(line):
     """Whether a line has numbers, or empty cells, and nothing else."""
+    filled = [cell for cell in _cells(line) if cell.strip()]
+    return bool(filled) and all(map(_is_number, filled))
+
+
+def _is_row_with_holes(line, row):
+    """Whether the line before a row is one, too, with words where heights are missing: it has as
+    many cells, more than a place and a height, and most are numbers."""
+    cells = _cells(line)
+    numbers = sum(map(_is_number, cells))
+    return len(cells) == len(_cells(row)) and numbers > max(3, len(cells) / 2)
+
+
+def _cells(line):
+    """What a line has between its separators."""
     separator = _separator(line)
-    cells = line.replace(",", ".").split(separator) if separator == ";" else line.split(separator)
+    return (line.replace(",", ".") if separator == ";" else line).split(separator)
+
+
+def _is_number(cell):
+    """Whether a cell holds a number."""
     try:
-        return [float(cell) for cell in cells if cell.strip()] != []
+        float(cell)
     except ValueError:
         return False
+    return True
 
 
 def _read_points(filename, _=""):
-    """Points x y z of a regular grid in any order (x z of a line); places without one are holes."""
+    """Points x y z of a regular grid in any order (x z of a line); places without one are holes;
+    ValueError for two heights at one place."""
     table = np.atleast_2d(_read_table(filename))
     if table.ndim != 2 or table.shape[1] not in (2, 3):
         raise ValueError(f"it has {table.shape[-1]} columns; x y z, or x z of a line, are wanted")
@@ -168,6 +194,12 @@ def _read_points(filename, _=""):
         raise ValueError(f"its {len(table)} points lie on no regular grid")
     values = np.full(shape, np.nan)
     values[tuple(numbers)] = table[:, -1]
+    other = np.isfinite(table[:, -1]) & (values[tuple(numbers)] != table[:, -1])
+    if other.any():
+        *place, height = table[np.argmax(other)]
+        raise ValueError(f"it has two heights at {', '.join(f'{x:g}' for x in place)}, {height:g} "
+                         f"and {values[tuple(n[np.argmax(other)] for n in numbers)]:g}, and at "
+                         f"{np.count_nonzero(other) - 1} more places; leave one of each")
     return Heights(values, tuple(size))
 
 

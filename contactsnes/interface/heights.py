@@ -142,9 +142,13 @@ def _filled(option, values, fill):
     if fill == "interpolate":
         # Only what is around the holes matters.
         rim = ndimage.binary_dilation(holes, iterations=2) & ~holes
-        between = griddata(np.argwhere(rim), values[rim], np.argwhere(holes), "linear") \
-            if values.ndim == 2 else np.interp(np.argwhere(holes)[:, 0], np.argwhere(rim)[:, 0],
-                                               values[rim])
+        known, places = np.argwhere(rim), np.argwhere(holes)
+        if values.ndim == 1:
+            between = np.interp(places[:, 0], known[:, 0], values[rim])
+        elif np.linalg.matrix_rank(known - known[0]) == 2:
+            between = griddata(known, values[rim], places, "linear")
+        else:  # on a straight line there is nothing between them
+            between = np.full(len(places), np.nan)
         values[holes] = np.where(np.isfinite(between), between, values[holes])
     return values
 
@@ -225,8 +229,8 @@ def fitted(specification, values, shape, fit="exact", edges="warn"):
     """Heights on a grid; ValueError where these are other nodes and that is not wanted.
 
     Periodic heights are interpolated by their waves, which is exact where none is shorter than two
-    of their own spacings; others, whose waves would ring at the seam or the step to a margin, by
-    cubic splines.
+    of their own spacings; others, whose waves would ring at the seam, by cubic splines. So are
+    those within a margin, on their own: at the step to it splines swing, too.
 
     Parameters
     ----------
@@ -250,6 +254,35 @@ def fitted(specification, values, shape, fit="exact", edges="warn"):
         return values
     from scipy import ndimage
 
-    places = np.meshgrid(*((np.arange(n) - n // 2) * (count / n) + count // 2
-                           for n, count in zip(shape, values.shape)), indexing="ij")
-    return ndimage.map_coordinates(values, places, order=3, mode="grid-wrap")
+    places = [(np.arange(n) - n // 2) * (count / n) + count // 2
+              for n, count in zip(shape, values.shape)]
+    if edges == "pad":
+        return _fitted_within(values, places)
+    return ndimage.map_coordinates(values, np.meshgrid(*places, indexing="ij"), order=3,
+                                   mode="grid-wrap")
+
+
+def _fitted_within(values, places):
+    """Heights with a margin at other places: within it by cubic splines, and a straight step to the
+    margin over one spacing of theirs.
+
+    Parameters
+    ----------
+    values : array, as of `padded`
+    places : list of arrays, one a direction, in spacings of theirs
+    """
+    from scipy import ndimage
+
+    # A margin of n // MARGIN on both sides of n heights is so much of them all.
+    margins = [count // (MARGIN + 2) for count in values.shape]
+    within = values[tuple(slice(margin, count - margin)
+                          for margin, count in zip(margins, values.shape))]
+    inner = [np.clip(place - margin, 0, count - 1)
+             for place, margin, count in zip(places, margins, within.shape)]
+    part = math.prod(np.meshgrid(*(np.clip(1 - np.abs(place - margin - near), 0, 1)
+                                   for place, margin, near in zip(places, margins, inner)),
+                                 indexing="ij", sparse=True))
+    found = ndimage.map_coordinates(within, np.meshgrid(*inner, indexing="ij"), order=3,
+                                    mode="mirror")
+    lowest = values.min()
+    return lowest + part * (found - lowest)

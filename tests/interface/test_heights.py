@@ -51,6 +51,33 @@ def test_empty_cells_are_holes(tmp_path):
         read_heights(tmp_path / "a.csv")
 
 
+def test_a_separator_at_the_end_of_every_row_is_no_column(tmp_path):
+    for separator in ",;\t":
+        (tmp_path / "a.csv").write_text(text(MAP, separator).replace("\n", f"{separator}\n"))
+        np.testing.assert_array_equal(read_heights(tmp_path / "a.csv"), MAP)
+
+
+def test_words_where_heights_are_missing_make_no_heading_of_a_row(tmp_path):
+    """A map of which the first rows have holes has these rows, as it has others."""
+    values = MAP.copy()
+    values[:2, 3] = values[7, 5] = np.nan
+    (tmp_path / "a.txt").write_text("24 rows of 18\n" + text(values, empty="BAD"))
+    np.testing.assert_array_equal(height_files.read(tmp_path / "a.txt").values, values)
+    (tmp_path / "a.xyz").write_text("64 64 points\n" + text(np.array([
+        [x, y, x + y] for x in range(4) for y in range(3)])))
+    assert height_files.read(tmp_path / "a.xyz").values.shape == (4, 3)
+
+
+def test_two_heights_at_one_place_are_refused(tmp_path):
+    x, y = np.meshgrid(np.arange(4.0), np.arange(3.0), indexing="ij")
+    points = np.array([x.ravel(), y.ravel(), x.ravel() + 10 * y.ravel()]).T
+    np.savetxt(tmp_path / "a.xyz", np.concatenate([points, points[:2]]))
+    np.testing.assert_array_equal(height_files.read(tmp_path / "a.xyz").values, x + 10 * y)
+    np.savetxt(tmp_path / "a.xyz", np.concatenate([points, points[4:6] + [0, 0, 0.5]]))
+    with pytest.raises(ValueError, match="two heights at 1, 1, 11 and 11.5, and at 1 more places"):
+        height_files.read(tmp_path / "a.xyz")
+
+
 def test_points_of_a_grid_come_in_any_order(tmp_path):
     x, y = np.meshgrid(2.0 + 0.5 * np.arange(24), -1.0 + 0.25 * np.arange(18), indexing="ij")
     points = np.array([x.ravel(), y.ravel(), MAP.ravel()]).T
@@ -166,6 +193,14 @@ def test_holes_are_filled():
         heights._filled("", np.full((4, 4), np.nan), "mean")
 
 
+@pytest.mark.parametrize("known", (np.s_[7, :], np.s_[:, 4], np.s_[2:4, 5], np.s_[3, 3]))
+def test_holes_around_a_straight_line_take_the_nearest_height(known):
+    values = np.full(MAP.shape, np.nan)
+    values[known] = MAP[known]
+    found = heights._filled("", values, "interpolate")
+    np.testing.assert_array_equal(found, heights._filled("", values, "nearest"))
+
+
 @pytest.mark.parametrize("shape, crop", (((1,), ""), ((8,), "3:4"), ((1, 64), ""),
                                          ((64, 8), "0:64,7:8")))
 def test_one_height_in_a_direction_makes_no_surface(shape, crop, tmp_path):
@@ -235,6 +270,25 @@ def test_margins_do_not_ring():
     found = heights.fitted("", around, (100, 100), "interpolate", "pad")
     np.testing.assert_allclose(found[:, 0], -1.0, atol=2e-4)
     np.testing.assert_allclose(found[0], -1.0, atol=2e-4)
+
+
+@pytest.mark.parametrize("known, points", (((64, 64), (160, 150)), ((49, 66), (240, 200)),
+                                           ((100,), (320,))))
+def test_the_edge_of_a_map_within_a_margin_grows_no_asperities(known, points):
+    """A plane that rises to an edge is that plane on a finer grid, and the margin its lowest
+    height: the step between them raises nothing, which would be in contact first."""
+    x = np.meshgrid(*map(np.arange, known), indexing="ij")
+    slopes = (0.02, 0.01)
+    around = heights.padded(sum(slope * each for slope, each in zip(slopes, x)))
+    found = heights.fitted("", around, points, "interpolate", "pad")
+    places = np.meshgrid(*((np.arange(n) - n // 2) * (whole / n) + whole // 2 - count // 8
+                           for n, whole, count in zip(points, around.shape, known)), indexing="ij")
+    plane = sum(slope * each for slope, each in zip(slopes, places))
+    within = np.all([(each >= 0) & (each <= count - 1) for each, count in zip(places, known)], 0)
+    beyond = np.any([(each <= -1) | (each >= count) for each, count in zip(places, known)], 0)
+    np.testing.assert_allclose(found[within], plane[within], atol=6e-3)
+    np.testing.assert_array_equal(found[beyond], 0.0)
+    assert found.max() <= around.max() * (1 + 1e-12) and found.min() >= -6e-3
 
 
 # Scenes
