@@ -165,7 +165,7 @@ class Branch:
         grid = failures.Resolution(self.contact, self._log, last)
         try:
             for point in map(grid.marked, map(works.completed, points)):
-                yield self._remarks.marked(point)
+                yield self._remarks.marked(point).sealed()
         except NotConverged as error:
             raise failures.explained(error, self.contact, any(self._sheared), self._modes,
                                      self._remarks.last, self._under_way) from None

@@ -39,6 +39,11 @@ class State:
         """Displacements (components, nodes) at these."""
         return self.displacement if self.half is None else self.half.fold(self.displacement)
 
+    def seal(self):
+        """Let nobody write into it any more."""
+        for name in {"once", "displacement", "means"} & vars(self).keys():
+            vars(self)[name].flags.writeable = False
+
     def unfolded(self, field):
         """A field (components, nodes), known once at each of these, at all nodes of the window."""
         return field if self.half is None else self.half.unfold(field)
@@ -64,7 +69,9 @@ class Mirrored(State):
     @cached_property
     def displacement(self):
         """Displacements on the window, array (components, nodes)."""
-        return self.half.unfold(self.once)
+        found = self.half.unfold(self.once)
+        found.flags.writeable = self.once.flags.writeable
+        return found
 
     @property
     def normal(self):

@@ -171,6 +171,14 @@ class Point:
             raise TypeError(f"a point has no {', '.join(unknown)}")
         return made
 
+    def sealed(self):
+        """The point, whose arrays nobody can write into any more: the path goes on from them."""
+        for array in (self.load, self.displacements, self.forces, self.origin):
+            if array is not None:
+                array.flags.writeable = False
+        self.state.seal()
+        return self
+
     def __repr__(self):
         """Place, loads in the units of the scene (controlled ones marked), and what is special."""
         told = []

@@ -33,7 +33,8 @@ def evaluated(shape, coordinates, scene):
     named = f"{scene.option_name('geometry')} is '{scene.geometry}'"
     try:
         with np.errstate(all="ignore"):
-            gap = without_mask(shape.gap(coordinates, scene))
+            # arrays of its own: what a shape writes into them stays there
+            gap = without_mask(shape.gap(tuple(x.copy() for x in coordinates), scene))
     except (InputError, OSError, MemoryError):
         raise
     except (Exception, SystemExit) as error:

@@ -46,7 +46,8 @@ def check_own(body, scene):
     q = _waves(scene)
     own_methods.check_returned(body, named, scene)
     with _evaluated(named):
-        compliance, stiffness = body.surface(q), body.surface_stiffness(q)
+        compliance, stiffness = (_untouched(body, name, q, named)
+                                 for name in ("surface", "surface_stiffness"))
         _check_surface(compliance, stiffness, q, named)
         _check_each_alone(body, scene, compliance, q, named)
         _check_rigid(body, compliance, q, named)
@@ -64,6 +65,25 @@ def _evaluated(named):
     except (Exception, SystemExit) as error:
         raise InputError(f"{named}: it cannot be evaluated ({type(error).__name__}: "
                          f"{error}); mend it") from error
+
+
+def _untouched(body, name, q, named):
+    """What a method of a body makes of wave numbers; InputError where it writes into these, which
+    others go on with.
+
+    Parameters
+    ----------
+    body : Body
+    name : of the method
+    q : array, wave numbers, 1/beta
+    named : str
+    """
+    given = q.copy()
+    found = getattr(body, name)(given)
+    if not np.array_equal(given, q):
+        raise InputError(f"{named}: its {name} writes into the wave numbers that it is "
+                         "given, which others go on with: work on a copy of them")
+    return found
 
 
 def _check_surface(c, m, q, named):

@@ -77,13 +77,16 @@ def _check_tangent(law, name):
     for components in (1, 2, 3):
         gaps = places(law, components)
         try:
-            traction, tangent = law.traction(gaps), law.tangent(gaps)
+            traction, tangent = law.traction(given := gaps.copy()), law.tangent(given)
             differences = _differences(law, gaps)
             alone, kept = law.evaluate(inside := gaps.copy(), inside), law.normal(gaps[0])[0]
         except (Exception, SystemExit) as error:
             raise InputError(f"the law {name} cannot be evaluated with "
                              f"{components} component(s) ({type(error).__name__}: "
                              f"{error}); mend it") from error
+        if not np.array_equal(given, gaps):
+            raise InputError(f"the law {name}: its evaluate writes into the gaps that it is given, "
+                             "which others go on with: work on a copy of them")
         _compare(name, gaps, tangent, differences)
         refuse(name, gaps,
                "the traction is another where it is written over the gap (traction is gap)",

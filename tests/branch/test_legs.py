@@ -2,6 +2,7 @@
 nothing."""
 
 from dataclasses import replace
+from operator import attrgetter
 
 import numpy as np
 import petsc4py
@@ -15,7 +16,7 @@ from contactsnes.branch.tracing import Tracer  # noqa: E402
 from contactsnes.contact import states  # noqa: E402
 from contactsnes.continuation.points import Leg, NotConverged  # noqa: E402
 from contactsnes.scene.load import Load, controls_along  # noqa: E402
-from contactsnes.scene.settings import Scene, Steps  # noqa: E402
+from contactsnes.scene.settings import Form, Scene, Steps  # noqa: E402
 
 LINE = Scene(points=128, normal_maugis=1.5, period=30.0, height=50.0, residual_friction=0.5)
 PLANE = Scene(dimension=2, geometry="sphere", points=32, normal_maugis=0.5, tangential_maugis=0.3,
@@ -110,6 +111,19 @@ def test_ends_of_legs_are_exact():
     assert (ends[1].displacements[0] == 1.1 and ends[3].displacements[1] == 0.7
             and ends[5].forces[0] == 1.3)
     assert ends[3].forces[0] == ends[1].forces[0] and ends[5].forces[1] == ends[3].forces[1]
+
+
+@pytest.mark.parametrize("symmetry", ("auto", "off"))
+@pytest.mark.parametrize("array", ("load", "displacements", "forces", "origin", "state.means",
+                                   "state.displacement", "state.once"))
+def test_points_cannot_be_written_into(array, symmetry):
+    """What a script converts to its units in place would be what the path goes on from."""
+    branch = Branch(Scene(points=128, period=20.0, normal_maugis=1.0),
+                    Load(path="normal_displacement=0.5"), form=Form(symmetry=symmetry))
+    *_, point = branch
+    with pytest.raises(ValueError, match="read-only"):
+        attrgetter(array)(point)[...] *= 2.0
+    assert branch.observe(point)["normal_displacement"] == 0.5
 
 
 def test_the_first_point_is_under_the_controls_that_were_asked_for():

@@ -290,6 +290,17 @@ def test_bodies_couple_as_they_are_seen_to():
                                atol=1e-12)
 
 
+@pytest.mark.parametrize("name", ("surface", "surface_stiffness"))
+def test_bodies_that_write_into_wave_numbers_are_refused(name):
+    """What is looked at were other waves than those of the grid, all of them alike."""
+    def written(self, wavenumber):
+        return getattr(Layer, name)(self, np.maximum(wavenumber, 2.0, out=wavenumber))
+
+    with pytest.raises(InputError, match=f"its {name} writes into the wave numbers"):
+        Branch(Scene(points=64, period=20.0, normal_maugis=1.0),
+               Load(path="normal_displacement=1"), body=type("Own", (Layer,), {name: written})())
+
+
 def test_a_body_in_a_file(tmp_path, monkeypatch):
     monkeypatch.setattr(bodies.REGISTRY, "own", {})
     (tmp_path / "mine.py").write_text(

@@ -428,6 +428,14 @@ class Logarithmic(Sticking):
         return traction
 
 
+class Clipping(Sampled):
+    """Writes into the gaps that it is given."""
+
+    def evaluate(self, gap, traction, tangent=None):
+        np.minimum(gap, 5.0, out=gap)
+        return super().evaluate(gap, traction, tangent)
+
+
 class Bilinear(Law):
     """Its corners are where laws are looked at, too."""
 
@@ -452,7 +460,8 @@ def test_corners_where_laws_are_looked_at_are_corners_all_the_same():
     (Lifting, "tangential_peak = 0.857.*, but its tractions give 1.71"),
     (Stepping, "t_1 that jumps by 0.42.* at .* the slip 1.23"),
     (Hoping, "softening = 0.001, .* give 0.135"), (Repelling, "attracts nowhere"),
-    (Worded, "range = '37': allowed is a number"), (Sloping, "differences of t_0 give")))
+    (Worded, "range = '37': allowed is a number"), (Sloping, "differences of t_0 give"),
+    (Clipping, "its evaluate writes into the gaps that it is given")))
 def test_what_is_wrong_with_an_object_is_told(cls, words):
     """What a base declares of other tractions, too: resolution and energies follow from it."""
     with pytest.raises(InputError, match=words):

@@ -89,6 +89,16 @@ def test_a_function_is_the_shape_that_it_is():
     assert other.forces[0] == point.forces[0]
 
 
+def test_a_shape_may_write_into_its_coordinates():
+    class Doubled(Shape):
+        def gap(self, coordinates, scene):
+            x = coordinates[0]
+            x *= 2
+            return x ** 2 / 8
+
+    assert last(Scene(**LINE), geometry=Doubled()).forces[0] == last(Scene(**LINE)).forces[0]
+
+
 @pytest.mark.parametrize("parts", ({"geometry": lambda x, y: (x ** 2 + y ** 2) / 2},))
 def test_on_a_plane_it_has_two_coordinates(parts):
     point = last(Scene(**PLANE, geometry="sphere"))
