@@ -16,6 +16,7 @@ from ..output.asked import (
     TableOptions,
 )
 from ..output.files import WriteError
+from ..output.reading import NoColumn
 from .speech import complain, told
 
 PLOT = {"pdf": ("plot_format", "png,pdf"), "output": ("plot_output", None),
@@ -48,11 +49,14 @@ def asked_for(arguments, cls, text, others=None):
 
 
 def writing(path, make):
-    """What a function makes of an archive; WriteError or InputError where files cannot be
-    written."""
+    """What a function makes of an archive; WriteError or InputError where files cannot be written,
+    or the archive has not what is shown."""
     os.environ.pop("MPLBACKEND", None)  # files are written, no backend has a say
     try:
         return make()
+    except NoColumn as error:  # of an archive of another program's columns
+        raise InputError(f"{error.args[0]}; what contactsnes run writes has all that are shown"
+                         ) from None
     except OSError as error:
         full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
         raise (WriteError if full else InputError)(

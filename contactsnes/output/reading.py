@@ -20,6 +20,10 @@ SHOWN = ("normal_force", "tangential_force", "contact_area")
 """Beginnings of the names of columns whose extent the ``repr`` tells."""
 
 
+class NoColumn(KeyError):
+    """A column that an archive has not; the message is its first argument, which ``str`` quotes."""
+
+
 class Record(Mapping):
     """An archive as it was when read: a mapping of columns to arrays, of enumerations to arrays of
     names.
@@ -101,7 +105,7 @@ class Record(Mapping):
 
     def __getitem__(self, name):
         if name not in self._columns:
-            raise KeyError(f"{self.path} has no column {name!r}{instead(str(name), list(self))}")
+            raise NoColumn(f"{self.path} has no column {name!r}{instead(str(name), list(self))}")
         return self._columns[name]
 
     def __contains__(self, name):

@@ -35,7 +35,12 @@ def folder(tmp_path_factory):
 
 @pytest.mark.parametrize("words, name", ((("table", "run.h5", "-output", "all.csv"), "all.csv"),
                                          (("movie", "run.h5", "-format", "gif"), "run.gif"),
-                                         (("plot", "run.h5"), "run-approach.png")))
+                                         (("export", "run.h5"), "run.vtkhdf"),
+                                         (("plot", "run.h5"), "run-approach.png"),
+                                         (("plot", "run.h5", "-plot_format", "svg"),
+                                          "run-approach.svg"),
+                                         (("plot", "run.h5", "-plot_format", "pdf"),
+                                          "run-approach.pdf")))
 def test_what_was_there_stays(folder, words, name):
     (folder / name).write_text("of before", encoding="utf-8")
     before = sorted(path.name for path in folder.iterdir())

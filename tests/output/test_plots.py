@@ -8,6 +8,7 @@ import pytest
 from matplotlib import rc_context
 from matplotlib.image import imread
 
+from contactsnes.commands import cli
 from contactsnes.options.fields import InputError
 from contactsnes.output.archive import Archive
 from contactsnes.output.asked import PlotOptions
@@ -290,6 +291,18 @@ def test_points_are_chosen_among_those_stored(tmp_path):
     assert data.choose_points(record, [2, -1]) == [2, record.points - 1]
     with pytest.raises(ArchiveError, match="no fields of point 99; it has those of points 0 to"):
         plot(tmp_path / "run.h5", points=[99])
+
+
+def test_an_archive_of_other_columns_is_told_to_lack_those_of_figures(tmp_path, capsys):
+    own = Archive.create(tmp_path / "own.h5", scene={"period": LENGTH}, options="",
+                         versions={"mine": "1"}, columns={"force": Column("w_n,r")})
+    own.append({"force": 0.5}, {})
+    own.finish()
+    figures = plot(own.path)
+    assert not figures.files
+    assert "own.h5 has no column 'normal_displacement'; it has" in figures.skipped["approach"]
+    assert cli.main(["report", str(own.path)]) == 2
+    assert "own.h5 has no column" in capsys.readouterr().err
 
 
 def test_bad_input(tmp_path):

@@ -33,7 +33,7 @@ from ...options.fields import InputError
 from ..asked import PlotOptions, listed
 from ..files import ArchiveError
 from ..prefixes import alike, read
-from ..tables import replaced
+from ..reading import NoColumn
 from .curves import draw_columns, together
 from .data import NothingToShow, choose_points
 from .loads import draw_approach, draw_area, draw_shear
@@ -42,7 +42,7 @@ from .measured import check_names, check_used, read_measured
 from .profiles import draw_profiles
 from .shape import draw_outlines, draw_shape
 from .spots import draw_spots
-from .style import settings, sized
+from .style import saved, settings, sized
 
 
 class Figures(NamedTuple):
@@ -145,8 +145,8 @@ def _drawn(kinds, stem, asked):
         for name, make in kinds.items():
             try:
                 figure = sized(make(), asked.size)
-            except NothingToShow as reason:
-                figures.skipped[name] = str(reason)
+            except (NothingToShow, NoColumn) as reason:
+                figures.skipped[name] = reason.args[0]
                 continue
             for suffix in asked.formats:
                 figures.files.append(stem.with_name(f"{stem.name}-{name}{suffix}"))
@@ -159,7 +159,7 @@ def _save(figure, path):
     with warnings.catch_warnings():
         warnings.filterwarnings("error", "constrained_layout not applied")
         try:
-            replaced(path, figure.savefig)
+            saved(figure, path)
         except UserWarning:
             width, height = 2.54 * figure.get_size_inches()
             raise InputError(f"-plot_size is too small for {path}, {width:.3g} x {height:.3g} cm: "

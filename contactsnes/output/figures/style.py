@@ -1,11 +1,14 @@
 """The style of figures, as wide as a column of a journal."""
 
+import io
+
 import matplotlib
 import matplotlib.style
 import numpy as np
 from cycler import cycler
 
 from ...options.fields import InputError, meant
+from ..tables import replaced
 
 WIDTH = 8.5 / 2.54  # inches
 STYLE = {"font.size": 8, "axes.labelsize": 8, "axes.titlesize": 8, "legend.fontsize": 8,
@@ -66,6 +69,14 @@ def sized(figure, size):
         old_width, old_height = figure.get_size_inches()
         figure.set_size_inches(width, height[0] if height else old_height * width / old_width)
     return figure
+
+
+def saved(figure, path):
+    """Write a figure to a path, which tells its kind. It is made in memory first: where a disk is
+    full, matplotlib's PDF fails in ways that say nothing of it."""
+    made = io.BytesIO()
+    figure.savefig(made, format=path.suffix[1:])
+    replaced(path, lambda partial: partial.write_bytes(made.getbuffer()))
 
 
 def colours(count):

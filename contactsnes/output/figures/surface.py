@@ -5,8 +5,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ...scene.units import prefix
-from ..tables import replaced
-from .style import BLUE, STYLE, WIDTH, settings, sized
+from .style import BLUE, STYLE, WIDTH, saved, settings, sized
 from .words import label
 
 
@@ -45,7 +44,7 @@ def draw_surface(paths, coordinates, gap, units, title, asked):
         stack[-1].set(xlabel=label("gap", "g_0", depth), ylabel="nearer (%)", ylim=(0, 100))
         sized(figure, asked.size)
         for path in paths:
-            replaced(path, figure.savefig)
+            saved(figure, path)
 
 
 def _draw_map(figure, axes, coordinates, gap, place, units):
