@@ -80,7 +80,7 @@ class Run:
         from."""
         from ..output.archive import Archive  # runs without one need not import it
         from ..output.cell_fields import NOTHING
-        from ..output.layout import Column
+        from ..output.columns import Column
         from ..output.shared import SharedArchive
 
         scene, output = self.settings.scene, self.settings.output

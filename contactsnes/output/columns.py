@@ -1,12 +1,70 @@
 """Columns of an archive, their rows and their attributes, by HDF5's own calls: there are many, and
 these take a third of the time of h5py's."""
 
+from __future__ import annotations
+
+from typing import NamedTuple
+
 import numpy as np
 
 from ..options.fields import meant
+from .files import ArchiveError
 
 ASKED = {"stiffness": "-archive_stiffness", "error_": "-archive_errors"}
 """Beginnings of the names of columns that a run writes where it is asked to -> the option."""
+
+
+class Column(NamedTuple):
+    """What a column of the branch holds: its unit, its NumPy type and, of an enumeration, the names
+    of 0, 1, ..."""
+
+    unit: str
+    kind: str = "f8"
+    names: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, name, given):
+        """The column that is given as a tuple; ArchiveError for what is none."""
+        if not isinstance(name, str) or not name or "/" in name or name == ".":
+            raise ArchiveError(f"a column is called {name!r}: allowed is a text without '/'")
+        try:
+            if isinstance(given, str):
+                raise TypeError
+            column = cls(*given)
+            fits = np.dtype(column.kind).kind in "fiu" and isinstance(column.unit, str)
+        except TypeError:
+            fits = False
+        if not fits:
+            raise ArchiveError(f"the column {name} is {given!r}: give a tuple of its unit, a text, "
+                               "perhaps of NumPy's type of real numbers and of names")
+        return column
+
+    @property
+    def stored(self):
+        """NumPy type in the file."""
+        return "i1" if self.names else self.kind
+
+    def number(self, name, value):
+        """A value as a number that the column holds, of an enumeration from a name, too;
+        ArchiveError for one that it does not."""
+        if isinstance(value, str):
+            if value not in self.names:
+                raise ArchiveError(f"{name} cannot be {value!r}; it can be one of {self.names}.")
+            return self.names.index(value)
+        if isinstance(value, float) and self.stored == "f8":
+            return value
+        plain = np.asarray(value)
+        if plain.ndim or plain.dtype.kind not in "fiub":
+            raise ArchiveError(f"{name} is {value!r}: a row has one real number for each column")
+        with np.errstate(all="ignore"):
+            kept = plain.astype(self.stored)
+        lost = (np.isfinite(kept) != np.isfinite(plain) if kept.dtype.kind == "f"
+                else kept != plain or (self.names and not 0 <= kept < len(self.names)))
+        if lost:
+            raise ArchiveError(f"{name} is {value!r}, which its column cannot hold: that has "
+                               + (f"numbers from 0 to {len(self.names) - 1}" if self.names else
+                                  f"numbers of NumPy's type {self.stored}"))
+        return value
 
 
 def instead(name, known, shown=None):

@@ -3,8 +3,6 @@ where room is lacking."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from ..grid.parted import Parted, blocks, pieces
@@ -12,7 +10,7 @@ from ..grid.parted import chunk as chunk_of
 from . import active, checksums
 from .active import ActiveFields
 from .cell_fields import CHUNKS, KINDS, PACKED, as_stored, empty, most_together
-from .columns import make_columns, put_rows
+from .columns import Column, make_columns, put_rows
 from .files import ArchiveError
 from .stored import SLOTS, field_points, put_state
 
@@ -24,20 +22,6 @@ UNITS = {
     "mode": "",
 }
 """Of the fields, for dimensionless scenes."""
-
-
-class Column(NamedTuple):
-    """What a column of the branch holds: its unit, its NumPy type and, of an enumeration, the names
-    of 0, 1, ..."""
-
-    unit: str
-    kind: str = "f8"
-    names: tuple[str, ...] = ()
-
-    @property
-    def stored(self):
-        """NumPy type in the file."""
-        return "i1" if self.names else self.kind
 
 
 class Layout:
@@ -70,7 +54,7 @@ class Layout:
             raise ArchiveError(f"-archive_fields is {fields!r}; it can be none, last or all.")
         if fields != "none" and not coordinates:
             raise ArchiveError(f"Fields ({fields}) need coordinates.")
-        self.columns = {name: Column(*column) for name, column in columns.items()}
+        self.columns = {name: Column.of(name, column) for name, column in columns.items()}
         self.fields = fields
         self.arrays = () if fields == "none" else (
             *(("displacement", "traction") if compliance is None else ()),
@@ -94,18 +78,8 @@ class Layout:
         """A row, one value for each column, with enumerations as numbers."""
         if set(row) != set(self.columns):
             raise ArchiveError("A row has one value for each column; not so: "
-                               f"{sorted(set(row) ^ set(self.columns))}.")
-        numbers = dict(row)
-        for name, column in self.columns.items():
-            if isinstance(row[name], str):
-                if row[name] not in column.names:
-                    raise ArchiveError(
-                        f"{name} cannot be {row[name]!r}; it can be one of {column.names}.")
-                numbers[name] = column.names.index(row[name])
-            elif np.ndim(row[name]) or np.iscomplexobj(row[name]):
-                raise ArchiveError(f"{name} is {row[name]!r}: a row has one real number for each "
-                                   "column")
-        return numbers
+                               f"{sorted(set(row) ^ set(self.columns), key=str)}.")
+        return {name: column.number(name, row[name]) for name, column in self.columns.items()}
 
     def checked(self, given):
         """The fields that are kept among those given, name -> array, a mode only where there is

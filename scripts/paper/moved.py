@@ -25,7 +25,7 @@ from contactsnes.interface.laws.coupled import SLIP
 from contactsnes.options.database import database_text, read
 from contactsnes.options.fields import Options, option
 from contactsnes.output.archive import Archive
-from contactsnes.output.layout import Column
+from contactsnes.output.columns import Column
 from contactsnes.scene import settings as scenes
 from contactsnes.solvers.motion import Motion
 from contactsnes.solvers.stepping import DampedVerlet, VerletOptions

@@ -18,8 +18,9 @@ from contactsnes.grid import parted
 from contactsnes.output import active, cell_fields, files, resuming, store, stored
 from contactsnes.output import archive as writing
 from contactsnes.output.archive import Archive
+from contactsnes.output.columns import Column
 from contactsnes.output.files import ArchiveError
-from contactsnes.output.layout import Column, Layout
+from contactsnes.output.layout import Layout
 from contactsnes.output.reading import Record, read
 
 COLUMNS = {
@@ -281,6 +282,31 @@ def test_what_is_no_number_is_refused_before_it_is_written(tmp_path, value):
     made.append({"force": np.array(0.5)}, {})
     made.finish()
     assert read(made.path)["force"].tolist() == [0.5]
+
+
+@pytest.mark.parametrize("column, value", (
+    (("", "i8"), 2.5), (("", "i8"), np.nan), (("", "i1"), 300), (("", "u1"), -1),
+    (("", "i8"), 2 ** 63), (("", "f4"), 1e39), (("", "i1", ("a", "b")), 2),
+    (("", "i1", ("a", "b")), -1), (("", "i1", ("a", "b")), 0.5)))
+def test_what_a_column_cannot_hold_is_refused(tmp_path, column, value):
+    """It would be another number in the file, or none that its names have."""
+    made = Archive.create(tmp_path / "own.h5", **content(columns={"own": column}))
+    with pytest.raises(ArchiveError, match="own is .*, which its column cannot hold"):
+        made.append({"own": value}, {})
+    for value in (1, np.int64(1), True, np.float32(1.0)):
+        made.append({"own": value}, {})
+    made.finish()
+    assert read(made.path)["own"].tolist() == ["b" if len(column) == 3 else 1] * 4
+
+
+@pytest.mark.parametrize("columns, words", (
+    ({"a/b": ("",)}, "a column is called 'a/b'"), ({"": ("",)}, "a column is called ''"),
+    ({3: ("",)}, "a column is called 3"), ({"own": "w_n,r"}, "the column own is 'w_n,r': give a"),
+    ({"own": None}, "the column own is None"), ({"own": ("", "O")}, "the column own is"),
+    ({"own": ("", "nonsense")}, "the column own is"), ({"own": (3,)}, "the column own is")))
+def test_what_is_no_column_is_refused(tmp_path, columns, words):
+    with pytest.raises(ArchiveError, match=words):
+        Archive.create(tmp_path / "own.h5", **content(columns=columns))
 
 
 def test_nothing_to_resume_starts_anew(tmp_path):

@@ -12,8 +12,8 @@ from contactsnes.branch.branch import Branch  # noqa: E402
 from contactsnes.contact.observables import Measurement, compliance, frame, table  # noqa: E402
 from contactsnes.options.fields import InputError  # noqa: E402
 from contactsnes.output.archive import Archive  # noqa: E402
+from contactsnes.output.columns import Column  # noqa: E402
 from contactsnes.output.files import ArchiveError  # noqa: E402
-from contactsnes.output.layout import Column  # noqa: E402
 from contactsnes.output.reading import read  # noqa: E402
 from contactsnes.scene.load import Load  # noqa: E402
 from contactsnes.scene.settings import Scene, Steps  # noqa: E402

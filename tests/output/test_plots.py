@@ -12,6 +12,7 @@ from contactsnes.commands import cli
 from contactsnes.options.fields import InputError
 from contactsnes.output.archive import Archive
 from contactsnes.output.asked import PlotOptions
+from contactsnes.output.columns import Column
 from contactsnes.output.figures import (
     curves,
     data,
@@ -29,7 +30,6 @@ from contactsnes.output.figures import (
 from contactsnes.output.figures import plot as plotting
 from contactsnes.output.figures.plot import plot
 from contactsnes.output.files import ArchiveError
-from contactsnes.output.layout import Column
 from contactsnes.output.prefixes import read
 
 EVENTS = ("none", "fold", "jump", "gross_sliding", "pull_off", "bifurcation")

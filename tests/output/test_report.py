@@ -16,9 +16,9 @@ from matplotlib import animation
 from contactsnes.options.fields import InputError
 from contactsnes.output.archive import Archive
 from contactsnes.output.asked import MovieOptions, ReportOptions
+from contactsnes.output.columns import Column
 from contactsnes.output.figures import encoding, movie
 from contactsnes.output.files import ArchiveError
-from contactsnes.output.layout import Column
 from contactsnes.output.prefixes import read
 from contactsnes.output.report import certificates, words
 

@@ -12,8 +12,8 @@ from contactsnes.options.words import read_words
 from contactsnes.output import extras, tabular
 from contactsnes.output.archive import Archive
 from contactsnes.output.asked import ExportOptions, TableOptions
+from contactsnes.output.columns import Column
 from contactsnes.output.files import ArchiveError
-from contactsnes.output.layout import Column
 from contactsnes.output.reading import read
 from contactsnes.output.vtk import write_vtk
 

@@ -20,8 +20,8 @@ from contactsnes.contact.problem import Contact  # noqa: E402
 from contactsnes.options.fields import InputError, as_text  # noqa: E402
 from contactsnes.output import prefixes
 from contactsnes.output.archive import Archive  # noqa: E402
+from contactsnes.output.columns import Column  # noqa: E402
 from contactsnes.output.figures.words import label  # noqa: E402
-from contactsnes.output.layout import Column  # noqa: E402
 from contactsnes.scene import units as si  # noqa: E402
 from contactsnes.scene.load import Load  # noqa: E402
 from contactsnes.scene.settings import Scene, Steps, attributes  # noqa: E402
