@@ -254,6 +254,19 @@ def test_shear_begins_where_the_tangential_load_does(tmp_path):
     assert tuple(start) == (0, 12.6)
 
 
+def test_numbers_that_hardly_differ_stand_at_the_ticks(tmp_path):
+    """What is common to them, above the axis, would lie under the legend."""
+    rows = [row | {"contact_area": 25.4 + 1e-6 * number} for number, row in enumerate(shear())]
+    record = read(archive_of(tmp_path / "run.h5", [(row, ()) for row in rows]).path)
+    with rc_context(style.settings()):
+        figure = loads.draw_area(record)
+        figure.canvas.draw()
+        axis = figure.axes[0].yaxis
+        assert not axis.get_offset_text().get_text()
+        told = [float(re.search(r"[\d.]+", label.get_text())[0]) for label in axis.get_ticklabels()]
+        np.testing.assert_allclose(told, axis.get_ticklocs(), atol=1e-9)
+
+
 def test_jumps_are_dashed_between_the_fold_and_the_point_after_it(tmp_path):
     record = read(archive_of(tmp_path / "run.h5", [(row, ()) for row in shear()]).path)
     fold, jump = (int(np.flatnonzero(record["event"] == name)[0]) for name in ("fold", "jump"))

@@ -15,8 +15,8 @@ STYLE = {"font.size": 8, "axes.labelsize": 8, "axes.titlesize": 8, "legend.fonts
          "xtick.labelsize": 8, "ytick.labelsize": 8, "axes.linewidth": 0.6, "lines.linewidth": 1.2,
          "lines.markersize": 5, "xtick.direction": "in", "ytick.direction": "in", "xtick.top": True,
          "ytick.right": True, "legend.frameon": False, "savefig.dpi": 300,
-         "mathtext.fontset": "dejavusans", "axes.formatter.use_mathtext": True, "pdf.fonttype": 42,
-         "svg.fonttype": "none",
+         "mathtext.fontset": "dejavusans", "axes.formatter.use_mathtext": True,
+         "axes.formatter.useoffset": False, "pdf.fonttype": 42, "svg.fonttype": "none",
          "axes.prop_cycle": cycler(color=["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00",
                                           "#56B4E9", "#000000"]),}
 LETTERS = ("labelsize", "titlesize", "fontsize")
