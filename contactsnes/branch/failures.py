@@ -153,16 +153,34 @@ def narrow(contact, before, after):
     change = np.linalg.norm(last - first, axis=0)
     change[np.minimum(first[0], last[0]) + window.take(contact.initial_gap) > states.NEAR] = 0.0
     changed = change > 0.5 * contact.grid.maximum(change, initial=0.0)
-    grid, boxes = contact.grid, window.box(changed).reshape(len(window.parts),
-                                                            *window.parts[0].shape)
+    grid, part = contact.grid, window.parts[0]
+    boxes = window.box(changed).reshape(len(window.parts), *part.shape)
     if len(grid.shape) == 1:
-        widths = [runs(np.flatnonzero(box), math.inf) for box in boxes]
+        total = grid.size if window.is_whole else math.inf
+        widths = [runs(np.flatnonzero(box), total) for box in boxes]
         return grid.any(changed) and bool(np.concatenate(widths).max() < NARROW - 1)
-    depth_in = scipy.ndimage.distance_transform_edt
-    boxes = window.parts[0].with_rows(boxes, NARROW)
-    depths = [grid.maximum(grid.without_rows(depth_in(np.pad(box, 1))[1:-1, 1:-1], NARROW))
-              for box in boxes]
+    boxes = part.with_rows(boxes, NARROW)
+    # what goes around the cell has more on its other side (rows of processes have it already)
+    around = [(0, 0)] + [(NARROW * (closed and not (grid.shared and axis == 0)),) * 2
+                         for axis, closed in enumerate(part.closed)]
+    boxes = np.pad(boxes, around, mode="wrap")
+    depths = [_deepest(box, around[1:], grid) for box in boxes]
     return grid.any(changed) and bool(2.0 * max(depths) < NARROW)
+
+
+def _deepest(mask, around, grid):
+    """Largest distance of a node of a mask on a plane from those where it does not hold, in nodes.
+
+    Parameters
+    ----------
+    mask : array of bool, with nodes around those that are asked for
+    around : how many of these, before and after in each direction, besides rows of processes
+    grid : Grid
+    """
+    depth = scipy.ndimage.distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
+    asked = tuple(slice(before, count - after) for count, (before, after)
+                  in zip(depth.shape, around))
+    return grid.maximum(grid.without_rows(depth[asked], NARROW))
 
 
 def way_out():

@@ -37,6 +37,32 @@ def crossings(values, level):
     return places, np.where(above[first + 1], 1, -1)
 
 
+def intervals(values, level, around, crossed=crossings):
+    """Where a line of values is below a level: first and last place of each interval, in nodes,
+    array (intervals, 2).
+
+    Parameters
+    ----------
+    values : array (nodes,)
+    level : float, unit of the values
+    around : bool, whether the line closes on itself, one node beyond its last; else nothing beyond
+        its nodes is below
+    crossed : what finds crossings, as `crossings`
+    """
+    if around:
+        # places between the last node and the first have neighbours, too
+        values = np.concatenate([values[-1:], values, values[:2]])
+        below = values < level
+        first, last = int(below[0] != below[1]), int(below[-2] != below[-1])
+        places = crossed(values, level)[0]
+        places, values = places[first:len(places) - last] - 1.0, values[1:-1]
+    else:
+        places = crossed(values, level)[0]
+    ends = [*([0.0] if values[0] < level else []), *places,
+            *([len(values) - 1.0] if values[-1] < level else [])]
+    return np.reshape(ends, (-1, 2))
+
+
 def _place(before, left, right, after):
     """Place, 0 to 1, where the cubic through four values at nodes vanishes between the middle two,
     of which not both are above 0, nor both below: by Newton's method from the chord, within a

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .contours import crossings, cut_patches, pieces, refined
+from .contours import crossings, cut_patches, intervals, pieces, refined
 
 
 class Outline(NamedTuple):
@@ -99,11 +99,7 @@ def _intervals(crossed, part, box, level):
     part : Window
     box : array (nodes,)
     """
-    box = np.append(box, box[0]) if part.is_whole else box
-    places, _ = crossed(box, level)
-    ends = [*([0.0] if box[0] < level else []), *places,
-            *([len(box) - 1.0] if box[-1] < level else [])]
-    return _places(part, np.reshape(ends, (-1, 2, 1)))
+    return _places(part, intervals(box, level, part.is_whole, crossed)[..., None])
 
 
 def _pieces(part, box, level):

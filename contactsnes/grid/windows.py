@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from .contours import area_below, at_level, crossings, ringed
+from .contours import area_below, at_level, intervals, ringed
 from .lengths import fast_length
 
 
@@ -206,11 +206,7 @@ class Window:
         box = self.box(values)
         if len(self.shape) == 2:
             return float(area_below(self.ringed(box), level, self.grid) * self.grid.node_area)
-        box = np.append(box, box[0]) if self.is_whole else box
-        places, signs = crossings(box, level)
-        ends = [*([0.0] if box[0] < level else []), *places, *([len(box) - 1.0] if box[-1] < level
-                                                               else [])]
-        return self.grid.node_area * float(np.sum(np.diff(ends)[::2]))
+        return self.grid.node_area * float(np.sum(np.diff(intervals(box, level, self.is_whole))))
 
     def at_level(self, values, level, fields):
         """Fields (components, nodes) where values (nodes) cross a level between nodes, (components,

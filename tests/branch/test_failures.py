@@ -279,3 +279,16 @@ def test_width_of_what_jumps(dimension, width, expected):
             for field in (before, after)]
     assert narrow(contact, *pair) is expected
     assert narrow(contact, pair[0], pair[0]) is False
+
+
+@pytest.mark.parametrize("dimension", [1, 2])
+@pytest.mark.parametrize("shift", [-62, 0, 66])
+def test_what_jumps_across_the_border_of_the_cell_is_as_wide_as_elsewhere(dimension, shift):
+    contact = Contact(Scene(dimension=dimension, points=128, period=20.0, geometry="flat"))
+    for width, expected in ((18, True), (24, False)):
+        after = np.zeros(contact.grid.shape)
+        after[(slice(50, 50 + width),) * dimension] = 1.0
+        after = np.roll(after, (shift,) * dimension, tuple(range(dimension)))
+        pair = [states.State(contact.grid.whole, field.reshape(1, -1), np.zeros(1))
+                for field in (0.0 * after, after)]
+        assert narrow(contact, *pair) is expected

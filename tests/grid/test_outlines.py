@@ -126,3 +126,14 @@ def test_intervals_of_a_line():
                                              np.pi - (edges + 0.3) / 2), rel=1e-6)
     nothing = outline(grid.whole, np.cos(x), -2.0)
     assert np.isnan(nothing.extent(0)).all() and np.isnan(nothing.centroid(0))
+
+
+@pytest.mark.parametrize("shift", range(5))
+def test_edges_beside_the_border_of_a_closed_line_are_as_exact_as_others(shift):
+    grid = Grid((64,), (2 * np.pi,))
+    (x,) = grid.coordinates()
+    # the left edge lies in turn around the places where the line closes
+    values = -np.cos(x - x[-2] - shift * grid.spacings[0] - 1.0 - 0.3 * grid.spacings[0])
+    for length in (outline(grid.whole, values, -np.cos(1.0)).inside(),
+                   grid.whole.area_below(values, -np.cos(1.0))):
+        assert length == pytest.approx(2.0, abs=4e-6)
