@@ -73,15 +73,23 @@ def outline(window, values, level, crossed=crossings):
     periods = np.array(window.grid.periods)
     # (boxes go on beyond the border of the cell)
     joined = joined - periods * np.floor(joined.mean(axis=1, keepdims=True) / periods + 0.5)
-    return Outline(joined, tuple(any(_at_border(part, box < level, axis)
-                                     for part, box in zip(window.parts, boxes))
-                                 for axis in range(len(window.parts[0].shape))))
+    return Outline(joined, tuple(
+        _ends_at(joined[..., axis], 0.5 * periods[axis])
+        or any(_at_border(part, box < level, axis) for part, box in zip(window.parts, boxes))
+        for axis in range(len(window.parts[0].shape))))
 
 
 def _at_border(part, inside, axis):
-    """Whether some of a mask over a box lies at the border of the cell in a direction."""
+    """Whether some of a mask over a box lies on the border of the cell, its first node, in a
+    direction."""
     occupied, total = part.occupied(inside, axis), part.grid.shape[axis]
-    return bool(occupied[(part.start[axis] + np.arange(len(occupied)) + 1) % total < 2].any())
+    return bool(occupied[(part.start[axis] + np.arange(len(occupied))) % total == 0].any())
+
+
+def _ends_at(places, border):
+    """Whether ends of pieces lie on the border of the cell, of squares that an edge crosses though
+    none of the nodes on it is inside."""
+    return bool((np.abs(np.abs(places) - border) < 1e-9 * border).any())
 
 
 def _places(part, places):

@@ -137,3 +137,24 @@ def test_edges_beside_the_border_of_a_closed_line_are_as_exact_as_others(shift):
     for length in (outline(grid.whole, values, -np.cos(1.0)).inside(),
                    grid.whole.area_below(values, -np.cos(1.0))):
         assert length == pytest.approx(2.0, abs=4e-6)
+
+
+@pytest.mark.parametrize("shape", [(64,), (64, 48)])
+@pytest.mark.parametrize("reach, across", [(0.4, False), (0.9, False), (1.3, True)])
+def test_a_contact_beside_the_border_and_its_mirror_image_tell_the_same(shape, reach, across):
+    """Their edge lies between the last node and the border, or beyond that, so many spacings behind
+    the last node."""
+    grid = Grid(shape, (4.0,) * len(shape))
+    x, *others = grid.coordinates()
+    last = 2.0 - (1.0 - reach) * grid.spacings[0]
+    values = (x - last + 0.7) ** 2 + sum(y ** 2 for y in others)
+    # the body is another one around the cell
+    values = np.minimum(values, (x + 4.0 - last + 0.7) ** 2 + sum(y ** 2 for y in others))
+    image = np.roll(np.flip(values, 0), 1, 0)
+    one, other = (outline(grid.whole, field.ravel(), 0.49) for field in (values, image))
+    assert one.around[0] == other.around[0] == across
+    told, mirrored = ([*found.extent(0), found.centroid(0)] for found in (one, other))
+    expected = [np.nan] * 3 if across else [last - 1.4, last, last - 0.7]
+    np.testing.assert_allclose(told, expected, rtol=0.0, atol=1e-3)
+    np.testing.assert_allclose([-mirrored[1], -mirrored[0], -mirrored[2]], expected, rtol=0.0,
+                               atol=1e-3)
