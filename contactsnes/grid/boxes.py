@@ -76,7 +76,9 @@ class Spots:
         for part, own in zip(self.parts, np.moveaxis(self.box(values), values.ndim - 1, 0)):
             field[(..., *part.indices)] = own
 
-    node_numbers = Window.node_numbers
+    def node_numbers(self):
+        """Numbers of the nodes in the cell, array (nodes,)."""
+        return np.concatenate([part.node_numbers() for part in self.parts])
 
     def box(self, values, beyond=0.0):
         """View values (..., nodes) as (..., boxes, *box), of which there are no others."""

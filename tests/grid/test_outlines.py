@@ -158,3 +158,12 @@ def test_a_contact_beside_the_border_and_its_mirror_image_tell_the_same(shape, r
     np.testing.assert_allclose(told, expected, rtol=0.0, atol=1e-3)
     np.testing.assert_allclose([-mirrored[1], -mirrored[0], -mirrored[2]], expected, rtol=0.0,
                                atol=1e-3)
+
+
+@pytest.mark.parametrize("shape", [(64,), (64, 32)])
+def test_nodes_of_several_boxes_have_the_numbers_that_they_have_in_the_cell(shape):
+    grid = Grid(shape, (4.0,) * len(shape))
+    window = Spots(grid, np.array([[4] * len(shape), [60] * len(shape), [30] * len(shape)])
+                   % shape, (6,) * len(shape))
+    field = np.random.default_rng(1).normal(size=shape)
+    np.testing.assert_array_equal(field.ravel()[window.node_numbers()], window.take(field))
