@@ -23,9 +23,8 @@ MOST = 24
 MULTIPLICATION = 5.0
 POINTWISE = 40.0
 CALL = 1e4
-"""Cost of a complex multiplication for each point of a circle, of the work besides convolutions for
-each node of a window, and of handling a box, where a transform of m points costs m ln m
-(measured)."""
+"""Cost of a complex multiplication for each point of a circle, of work besides convolutions for
+each node of a window, and of handling a box; a transform of m points costs m ln m (measured)."""
 
 WORTH = 0.8
 """Part of the cost of the one window below which boxes are worth the check that nothing else comes
@@ -64,8 +63,7 @@ class Spots:
     @cached_property
     def indices(self):
         """What picks the nodes from a field over the cell, in their order."""
-        numbers = np.arange(self.grid.size).reshape(self.grid.shape)
-        return np.unravel_index(self.take(numbers), self.grid.shape)
+        return np.unravel_index(self.node_numbers(), self.grid.shape)
 
     def take(self, field):
         """Values (..., nodes) of a field (..., *grid) at these nodes."""
