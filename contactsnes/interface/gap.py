@@ -245,3 +245,29 @@ def _about(grid, summit, borders):
     lines = [(place + n // 2 - top) % n for place, n, top in zip(places, grid.shape, summit)]
     return [(line >= border) & (line < n - border) for line, n, border
             in zip(lines, grid.shape, borders)]
+
+
+def curvatures(gap, grid, reach):
+    """Largest second difference of a gap in each direction, within a reach above its lowest place,
+    over the spacing squared; a tuple, at least 1e-12.
+
+    Parameters
+    ----------
+    gap : array over the nodes of the grid that are here, u_n,r
+    grid : Grid
+    reach : u_n,r
+
+    Returns
+    -------
+    tuple of float, u_n,r/beta^2
+    """
+    low, around, found = gap <= grid.minimum(gap) + reach, grid.whole.ringed(gap), []
+    places = np.ix_(grid.row_numbers, *map(np.arange, grid.shape[1:]))
+    for place, points, spacing, step in zip(places, grid.shape, grid.spacings,
+                                            np.eye(gap.ndim, dtype=int)):
+        bends = np.abs((_beside(around, step) - gap) - (gap - _beside(around, -step)))
+        # Half a cell away from the apex, where a body meets its neighbour, nothing is asked.
+        inside = low & (place > 0) & (place < points - 1)
+        most = grid.maximum(bends, where=inside, initial=0.0)
+        found.append(max(1e-12, most / spacing ** 2))
+    return tuple(found)

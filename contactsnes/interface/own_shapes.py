@@ -7,13 +7,12 @@ from functools import lru_cache
 import numpy as np
 
 from ..grid.cell import Grid
-from ..grid.fields import mirrored
 from ..options.fields import InputError
 from . import own_methods
-from .gap import by_rows, initial_gap, is_convex, where, without_mask
+from .gap import at, by_rows, curvatures, initial_gap, is_convex, without_mask
 from .seams import rms_slope, seams
 from .shapes import SHAPES, of
-from .shapes.shape import NEAR, Shape, curvatures
+from .shapes.shape import NEAR, Shape
 
 ROUNDING = 1e-10
 """Difference of mirror images, and depth below a parabola, over the largest gap, up to which a
@@ -65,37 +64,36 @@ def plain(function):
     return Plain(function)
 
 
-def check(shape, gap, coordinates, scene):
+def check(shape, gap, grid, scene):
     """InputError where a shape claims what its gap on the nodes is not; a sentence names the place.
 
     Parameters
     ----------
     shape : Shape
-    gap : array over the nodes, u_n,r
-    coordinates : tuple of ndarray, one a direction, beta, to broadcast
+    gap : array over the nodes of the grid that are here, u_n,r
+    grid : Grid
     scene : Scene
     """
     named = f"{scene.option_name('geometry')} is '{scene.geometry}'"
-    size = max(np.ptp(gap), np.finfo(float).tiny)
+    size = max(grid.maximum(gap) - grid.minimum(gap), np.finfo(float).tiny)
     for axis in shape.even:
         if axis < gap.ndim:
-            image = mirrored(gap, axis)
+            image = grid.mirrored(gap, axis)
             _refuse(f"{named}, which claims to be even along {'xy'[axis]} (even = {shape.even})",
                     np.abs(gap - image) > ROUNDING * size, (gap, image),
-                    "the gap is {:.9g} {unit}, and {:.9g} {unit} at its mirror image",
-                    coordinates, scene)
+                    "the gap is {:.9g} {unit}, and {:.9g} {unit} at its mirror image", grid, scene)
     for axis in shape.uniform:
         if axis < gap.ndim:
-            first = np.broadcast_to(np.take(gap, [0], axis), gap.shape)
+            first = gap[:, :1] if axis else grid.of_first(gap[:1])
+            first = np.broadcast_to(first, gap.shape)
             _refuse(f"{named}, which claims to be uniform along {'xy'[axis]}",
                     np.abs(gap - first) > ROUNDING * size, (gap, first),
-                    "the gap is {:.9g} {unit}, and {:.9g} {unit} elsewhere along it",
-                    coordinates, scene)
-    if shape.convex and not is_convex(gap):
+                    "the gap is {:.9g} {unit}, and {:.9g} {unit} elsewhere along it", grid, scene)
+    if shape.convex and not is_convex(gap, grid):
         raise InputError(f"{named}, which claims to be convex (convex = True), but its second "
                          "differences on the nodes are not all positive: leave the claim out")
-    _check_parabola(shape, gap, coordinates, scene, named)
-    _check_curvature(shape, gap, coordinates, scene, named)
+    _check_parabola(shape, gap, grid, scene, named)
+    _check_curvature(shape, gap, grid, scene, named)
 
 
 def check_declared(shape, scene):
@@ -125,21 +123,21 @@ def check_declared(shape, scene):
                              "of one number for each direction")
 
 
-def _check_parabola(shape, gap, coordinates, scene, named):
+def _check_parabola(shape, gap, grid, scene, named):
     """InputError where a gap lies below the parabola that it claims to lie above."""
     if scene.dimension in shape.parabola:
         curvature = shape.parabola[scene.dimension]
-        below = np.broadcast_to(curvature / 2 * sum(x ** 2 for x in coordinates), gap.shape)
+        below = np.broadcast_to(curvature / 2 * sum(x ** 2 for x in grid.coordinates()), gap.shape)
         _refuse(f"{named}, which claims to lie above a parabola (parabola = {shape.parabola})",
-                gap < below - ROUNDING * np.max(below), (gap, below),
-                "the gap is {:.9g} {unit}, the parabola {:.9g} {unit}", coordinates, scene)
+                gap < below - ROUNDING * grid.maximum(below), (gap, below),
+                "the gap is {:.9g} {unit}, the parabola {:.9g} {unit}", grid, scene)
 
 
-def _check_curvature(shape, gap, coordinates, scene, named):
+def _check_curvature(shape, gap, grid, scene, named):
     """InputError where a gap is more curved than its shape says, near its lowest place."""
     if type(shape).curvature is Shape.curvature:
         return
-    found = curvatures(gap, scene.spacings, NEAR / scene.normal_maugis)
+    found = curvatures(gap, grid, NEAR / scene.normal_maugis)
     for axis, (claimed, seen) in enumerate(zip(shape.curvature(scene), found)):
         if not seen <= SHARPER * claimed:
             raise InputError(f"{named}, which claims a curvature of at most {claimed:.6g} "
@@ -148,14 +146,30 @@ def _check_curvature(shape, gap, coordinates, scene, named):
                              "curvature out")
 
 
-def _refuse(claim, wrong, values, words, coordinates, scene):
+def _refuse(claim, wrong, values, words, grid, scene):
     """InputError that tells of the first node where a claim does not hold."""
-    if wrong.any():
-        place = np.unravel_index(np.argmax(wrong), wrong.shape)
+    if found := _first(wrong, values, grid):
+        place, values = found
         size, unit = scene.scale("u_n,r")
-        told = words.format(*(size * value[place] for value in values), unit=unit)
-        raise InputError(f"{claim}: at {where(place, coordinates, scene)} {told}; mend the gap, or "
-                         "leave the claim out")
+        told = words.format(*(size * value for value in values), unit=unit)
+        raise InputError(f"{claim}: at {at(place, scene)} {told}; mend the gap, or leave the claim "
+                         "out")
+
+
+def _first(wrong, values, grid):
+    """(coordinates, values) of the first node of a mask, whichever process has it; None where it
+    holds nowhere.
+
+    Parameters
+    ----------
+    wrong : array of bool over the nodes of the grid that are here
+    values : tuple of arrays over them
+    grid : Grid
+    """
+    here = np.nonzero(wrong)
+    first = [np.broadcast_to(x, wrong.shape)[here][:1] for x in (*grid.coordinates(), *values)]
+    found = grid.joined(np.column_stack(first))
+    return (found[0, :wrong.ndim], found[0, wrong.ndim:]) if len(found) else None
 
 
 def gap_on(shape, grid, scene):
@@ -175,34 +189,33 @@ def gap_on(shape, grid, scene):
     if shape.by_rows:
         return by_rows(shape, grid, scene) + scene.gap_offset
 
-    def found(nodes):
-        gap = initial_gap(shape, nodes, scene)
+    def found(grid):
+        gap = initial_gap(shape, grid.coordinates(), scene)
         if type(shape) not in SHAPES.values():
-            _check_again(shape, gap, nodes, scene)
-            check(shape, gap, nodes, scene)
+            _check_again(shape, gap, grid, scene)
+            check(shape, gap, grid, scene)
         return gap
 
     if shape.by_nodes:
-        return found(grid.coordinates())
-    return grid.spread(lambda: found(Grid(grid.shape, grid.periods).coordinates()))
+        return found(grid)
+    return grid.spread(lambda: found(Grid(grid.shape, grid.periods)))
 
 
-def _check_again(shape, gap, coordinates, scene):
+def _check_again(shape, gap, grid, scene):
     """InputError where a shape has another gap when it is asked again: seams and proportions, runs
     that are resumed and other processes would be of other surfaces.
 
     Parameters
     ----------
-    shape, gap, coordinates, scene : as of `check`
+    shape, gap, grid, scene : as of `check`
     """
-    again = initial_gap(shape, coordinates, scene)
-    wrong = np.abs(again - gap) > ROUNDING * np.max(np.abs(gap))
-    if wrong.any():
-        place = np.unravel_index(np.argmax(wrong), wrong.shape)
-        first, second = (scene.short(float(found[place]), "u_n,r", 6) for found in (gap, again))
+    again = initial_gap(shape, grid.coordinates(), scene)
+    wrong = np.abs(again - gap) > ROUNDING * grid.maximum(np.abs(gap))
+    if found := _first(wrong, (gap, again), grid):
+        first, second = (scene.short(float(value), "u_n,r", 6) for value in found[1])
         raise InputError(f"{scene.option_name('geometry')} is '{scene.geometry}': the gap at "
-                         f"{where(place, coordinates, scene)} is {first}, and {second} when it is "
-                         "asked again: it has to be the same each time; give what is random a seed")
+                         f"{at(found[0], scene)} is {first}, and {second} when it is asked again: "
+                         "it has to be the same each time; give what is random a seed")
 
 
 def jumps(scene, grid=None):

@@ -176,7 +176,7 @@ def test_the_packages_shapes_are_what_they_claim(name, dimension):
         return
     scene = Scene(**{**(LINE if dimension == 1 else PLANE), "geometry": name})
     contact = Contact(scene)
-    check(shapes.of(scene), contact.initial_gap, contact.grid.coordinates(), scene)
+    check(shapes.of(scene), contact.initial_gap, contact.grid, scene)
 
 
 @pytest.mark.parametrize("gap, words", (

@@ -60,6 +60,62 @@ def test_what_all_find_in_other_rows_is_told_once(tmp_path):
             "ValueError: no table")
 
 
+CLAIMS = """
+import numpy as np
+from contactsnes import Shape
+
+class Claims(Shape):
+    even, convex, parabola, by_nodes = (0, 1), True, {2: 1.0}, True
+    tilt, lowered = 0.0, 0.0
+
+    def gap(self, coordinates, scene):
+        squared = sum(x ** 2 for x in coordinates)
+        return (1 + 0.01 * squared) * squared / 2 + self.tilt * coordinates[0] - self.lowered
+
+    def curvature(self, scene):
+        return 8.0, 8.0
+
+class Ridge(Claims):
+    uniform = (1,)
+    parabola = {}
+
+    def gap(self, coordinates, scene):
+        return coordinates[0] ** 2 / 2 + 0 * coordinates[1]
+
+class Tilted(Claims):
+    tilt = 1e-3
+
+class Lowered(Claims):
+    lowered = 1e-3
+
+class Waved(Claims):
+    convex, parabola = True, {}
+
+    def gap(self, coordinates, scene):
+        return super().gap(coordinates, scene) + 3 * np.cos(2 * coordinates[0])
+
+class Sharp(Claims):
+    def curvature(self, scene):
+        return 8.0, 1.2
+
+class Along(Ridge):
+    uniform = (0,)
+"""
+
+
+@together
+@pytest.mark.parametrize("name", ["Claims", "Ridge", "Tilted", "Lowered", "Waved", "Sharp",
+                                  "Along"])
+def test_claims_of_a_shape_are_looked_at_as_by_one_process(name, tmp_path):
+    """Of 20 rows one of six processes has none, and no row of the first one is its mirror
+    image's."""
+    (tmp_path / "claims.py").write_text(CLAIMS)
+    words = ["info", *PLANE, "-scene_points", "20", "-scene_geometry", f"claims.py:{name}"]
+    one, several = (command(size, *words, folder=tmp_path) for size in (1, 6))
+    assert one.returncode == several.returncode == (0 if name in ("Claims", "Ridge") else 2)
+    assert one.told == several.told and len(one.told) == (one.returncode == 2), several.stderr
+
+
 @together
 def test_info_tells_the_memory_of_each_process(tmp_path):
     """Of each of two it is half of what one takes, up to rounding."""

@@ -4,10 +4,9 @@ Lengths along the interface in beta, gaps in u_n,r = beta^2/R. The apex, the pla
 symmetry are about, is the origin; node i of N lies at (i - N/2) L/N.
 """
 
-import numpy as np
-
+from ...grid.cell import Grid
 from ..declared import Declared
-from ..gap import evaluated
+from ..gap import curvatures, evaluated
 
 SAMPLES = {1: 4096, 2: 512}
 """Nodes of a direction on which a curvature that is not declared is found, by dimension."""
@@ -87,10 +86,9 @@ class Shape(Declared):
 
         By default it is found on `SAMPLES` nodes, within `NEAR` ranges above the lowest one.
         """
-        axes = [(np.arange(SAMPLES[scene.dimension]) / SAMPLES[scene.dimension] - 0.5) * period
-                for period in scene.periods]
-        gap = evaluated(self, np.meshgrid(*axes, indexing="ij", sparse=True), scene)
-        return curvatures(gap, [axis[1] - axis[0] for axis in axes], NEAR / scene.normal_maugis)
+        grid = Grid((SAMPLES[scene.dimension],) * scene.dimension, scene.periods)
+        gap = evaluated(self, grid.coordinates(), scene)
+        return curvatures(gap, grid, NEAR / scene.normal_maugis)
 
     def check(self, scene):
         """InputError unless a scene has what the shape needs, and a cell that it fits into."""
@@ -133,26 +131,3 @@ class Shape(Declared):
     def about(self, scene, size):
         """Lines on what it is made of; ``size(value, unit, digits)`` puts a value in words."""
         return []
-
-
-def curvatures(gap, spacings, reach):
-    """Largest second difference of a gap in each direction, within a reach above its lowest place,
-    over the spacing squared; a tuple, at least 1e-12.
-
-    Parameters
-    ----------
-    gap : array over the nodes, u_n,r
-    spacings : of the nodes, one a direction, beta
-    reach : u_n,r
-
-    Returns
-    -------
-    tuple of float, u_n,r/beta^2
-    """
-    found = []
-    for axis, spacing in enumerate(spacings):
-        bends = np.abs(np.diff(gap, 2, axis)) / spacing ** 2
-        # Half a cell away from the apex, where a body meets its neighbour, nothing is asked.
-        low = np.take(gap, range(1, gap.shape[axis] - 1), axis) <= gap.min() + reach
-        found.append(max(1e-12, float(np.max(bends, where=low, initial=0.0))))
-    return tuple(found)
