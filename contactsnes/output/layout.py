@@ -269,5 +269,6 @@ class Layout:
         `parted.blocks`."""
         if name in point.fields:
             return blocks(point.fields[name])
-        return ((where, np.full([ends.stop - ends.start for ends in where], np.nan, self.kind))
+        return ((where, np.full((*(ends.stop - ends.start for ends in where),
+                                 *self.shape[len(where):]), np.nan, self.kind))
                 for where in pieces(self.shape))

@@ -417,6 +417,22 @@ def test_modes_may_be_kept_from_some_point_on(tmp_path):
     check(path, "all")
 
 
+@pytest.mark.parametrize("shape, block", [((64,), 20), ((12, 10), 30), ((12, 10), 4)])
+def test_points_without_a_mode_beside_others_with_one_are_written_in_pieces(shape, block, tmp_path,
+                                                                          monkeypatch):
+    """Pieces are some components of a line and some rows of a plane."""
+    monkeypatch.setattr(parted, "BLOCK", block)
+    path, field = tmp_path / "run.h5", np.ones((len(shape) + 1, *shape))
+    archive = Archive.create(path, **content(
+        fields="all", coordinates=[np.arange(n) for n in shape], components=len(field),
+        modes=True))
+    for mode in (None, field, None):
+        archive.append(*point(archive.points)[:2], field, field, mode)
+    archive.finish()
+    for number, found in enumerate((np.nan, 1.0, np.nan)):
+        np.testing.assert_array_equal(read(path).field("mode", number), found * field)
+
+
 # Bad input
 
 
