@@ -23,12 +23,15 @@ def unread_options(branch, classes=()):
     if not asked:
         return []
     corrector, initial = branch.corrector, branch.scene.initial(branch.load)[0]
+    failed = False
     try:
         state = states.undeformed(branch.contact, (initial.control,), [initial.value])
         corrector.form_on(corrector.fitted(state), (initial.control,))
     except Exception:
+        failed = True  # whatever it is, perhaps of a user's own class: the solve will say it
+    if branch.contact.grid.any(failed):  # of several processes, perhaps in one alone
         corrector.form = corrector.snes = None  # half made
-        return []  # whatever it is, perhaps of a user's own class: the solve will say it
+        return []
     own = tuple(cls.prefix for cls in classes)
     return [name for name in unused_options(classes)
             if PLAIN.match(name[1:]) and not name[1:].startswith(own)]

@@ -18,9 +18,11 @@ from ..interface import shapes
 from ..options.database import check_names, check_values, database, install, petsc_arguments, read
 from ..options.fields import InputError, meant
 from ..options.files import entries, located, refuse_circles
+from ..options.solver_values import VIEWERS, refuse_unwritable
 from ..scene import settings as scenes
 from ..scene.load import Load
 from ..scene.settings import OPTION_CLASSES
+from ..system.processes import world
 from . import own_solvers
 from .starting import begin_petsc, refuse_differences, refuse_unshared
 
@@ -166,8 +168,21 @@ def check_solvers():
     do not exist or are not allowed."""
     check_names(solver_options())
     check_values(solver_options())
+    _check_viewers()
     own_solvers.check()
     _check_types()
+
+
+def _check_viewers():
+    """InputError for a file that PETSc is to write and cannot."""
+    from petsc4py import PETSc
+
+    try:
+        world.first(lambda: refuse_unwritable(database()))
+    except InputError:
+        for name in filter(VIEWERS.search, database()):
+            PETSc.Options().delValue(name)  # for some of them PETSc opens files when it ends
+        raise
 
 
 def _check_types():

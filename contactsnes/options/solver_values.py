@@ -2,7 +2,9 @@
 without a look, of others it says neither the name nor the value that was typed."""
 
 import math
+import os
 import re
+from pathlib import Path
 from typing import Callable, NamedTuple
 
 from .fields import InputError, number
@@ -52,6 +54,9 @@ RULES = {
     "ksp_richardson_scale": (POSITIVE, "1")}
 """Option, without the prefix of its solver -> its rule, and what to try. -snes_atol is in ranges of
 the law, of which one is no equilibrium."""
+VIEWERS = re.compile("(?:^|_)(?:view|monitor|reason|rate)(?:_|$)")
+"""Names of options whose values say where something is written: kind of file, name, format."""
+WRITTEN = re.compile("(?:ascii|binary|hdf5|vtk)?:([^:,]+)")
 MATRIX_FREE = ("none", "python", "shell", "ksp", "composite")
 """Values of -pc_type that ask for no entries of a matrix."""
 
@@ -73,6 +78,21 @@ def refuse_values(entries, nests):
             told = f"is '{text}'" if text else "has no value"
             raise InputError(f"-{name} {told}: allowed is {rule.allowed}; leave it out, or try "
                              f"{guess}")
+
+
+def refuse_unwritable(entries):
+    """InputError for a file that PETSc is to write and cannot: it says so late, of some options
+    when all is done, and in one of several processes alone.
+
+    Parameters
+    ----------
+    entries : mapping, as of `refuse_values`
+    """
+    for name, text in entries.items():
+        found = WRITTEN.match(text) if VIEWERS.search(name) else None
+        if found and (Path(found[1]).is_dir() or not os.access(Path(found[1]).parent, os.W_OK)):
+            raise InputError(f"-{name} is '{text}': the file '{found[1]}' cannot be written, its "
+                             "folder does not exist or is closed; name another")
 
 
 def _refuse_endless(name, entries):

@@ -60,6 +60,39 @@ def test_what_all_find_in_other_rows_is_told_once(tmp_path):
             "ValueError: no table")
 
 
+@together
+@pytest.mark.parametrize("name", ["-snes_monitor", "-log_view"])
+def test_a_file_that_the_first_process_cannot_write_is_told_at_the_start(name, tmp_path):
+    """Of -log_view PETSc says so when all is done, and others wait for the first process."""
+    refused(command(2, "run", *PLANE, name, ":absent/told.txt", folder=tmp_path, fresh=True),
+            name, "absent/told.txt")
+
+
+ALONE = """
+import os
+from petsc4py import PETSc
+
+class Own:
+    def __init__(self):
+        if PETSc.COMM_WORLD.rank == 1:
+            raise ValueError("mine alone")
+
+    def solve(self, snes, right, unknown):
+        snes.setConvergedReason(PETSc.SNES.ConvergedReason.DIVERGED_MAX_IT)
+"""
+
+
+@together
+def test_a_method_that_one_process_cannot_make_ends_all(tmp_path, monkeypatch):
+    """What options a solver does not ask for is looked at before the first solve."""
+    (tmp_path / "alone.py").write_text(ALONE)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    done = command(2, "run", *PLANE, "-snes_type", "python", "-snes_python_type", "alone.Own",
+                   folder=tmp_path, fresh=True)
+    assert done.returncode in (1, 2) and len(done.told) == 1, done.stderr
+    assert "mine alone" in done.told[0] and "process 2 of 2" in done.told[0], done.told
+
+
 CLAIMS = """
 import numpy as np
 from contactsnes import Shape
