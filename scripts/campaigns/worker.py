@@ -30,9 +30,11 @@ sys.path[:0] = [str(ROOT), str(ROOT / "scripts")]
 
 def start():
     """PETSc, and all of the package that runs use."""
-    os.environ.setdefault("OMPI_MCA_ess_singleton_isolated", "1")
     import petsc4py
 
+    from contactsnes.commands.starting import stay_alone
+
+    stay_alone()
     petsc4py.init(["contactsnes", "-options_left", "no", "-no_signal_handler"])
     from contactsnes.commands import session
 
