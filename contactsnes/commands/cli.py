@@ -257,17 +257,19 @@ def compare(arguments):
     os.environ.pop("MPLBACKEND", None)
     from ..compare import figure as comparison_figure
     from ..compare import table as comparison_table
+    from .showing import writing
 
     about = {"scene": str(comparison.branch.scene), "options": database_text(),
              "versions": str(versions())}
-    comparison.run(lambda: comparison_table.save(comparison, stem, about))
+    kept = f"the comparison {stem}"
+    comparison.run(lambda: writing(kept, lambda: comparison_table.save(comparison, stem, about)))
     for name in unused_options(solver_options()):
         if name[1:] in comparison.given:
             complain("warning", f"{name} was never used: neither this program "
                      "nor any PETSc object in use asks for it")
     print("", *comparison_table.lines(comparison), sep="\n")
-    figures = [comparison_figure.plot_comparison([f"{stem}.h5"],
-                                                 f"{stem}.png")] if comparison.watched else []
+    figures = [writing(kept, lambda: comparison_figure.plot_comparison(
+        [f"{stem}.h5"], f"{stem}.png"))] if comparison.watched else []
     print(f"{stem}.csv", f"{stem}.h5", *figures, sep="\n", flush=True)
     return 0 if any(comparison.finished(method) for method in comparison.methods) else 1
 

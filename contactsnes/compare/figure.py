@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from ..output.figures.printed import PAGE, PRINTED
+from ..output.figures.style import saved
 from ..output.tables import read_hdf5
 
 PANEL = 3.3 / 2.54
@@ -60,7 +61,7 @@ def plot_comparison(paths, output, shown=None):
         panels[-1][0].set_xlabel("transforms of the cell")
         panels[-1][1].set_xlabel("time (ms)")
         _legend(foot, styles)
-        figure.savefig(output)
+        saved(figure, Path(output))
     return Path(output)
 
 

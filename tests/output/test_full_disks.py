@@ -6,7 +6,7 @@ import subprocess
 import sys
 
 import pytest
-from processes import ENVIRONMENT
+from processes import ENVIRONMENT, ROOT
 
 from contactsnes.output.tables import replaced
 
@@ -49,6 +49,16 @@ def test_what_was_there_stays(folder, words, name):
     assert done.returncode == 1 and "what is made of run.h5 cannot be written" in done.stderr
     assert (folder / name).read_text(encoding="utf-8") == "of before"
     assert sorted(path.name for path in folder.iterdir()) == before
+
+
+def test_a_comparison_names_its_files(tmp_path):
+    words = ["compare", *(ROOT / "options" / name for name in ("cylinder.opts", "newton.opts")),
+             "-scene_points", "64", "-scene_period", "20", "-load_path", "normal_displacement=0.1",
+             "-compare_file", "two"]
+    done = subprocess.run([sys.executable, "-c", SHOW, *words], cwd=tmp_path, env=ENVIRONMENT,
+                          capture_output=True, text=True)
+    assert done.returncode == 1 and "the comparison two cannot be written" in done.stderr
+    assert [path.name for path in tmp_path.iterdir()] in ([], ["two.csv"])  # which may have room
 
 
 def test_a_device_and_a_link_are_written_to(tmp_path):
