@@ -17,6 +17,9 @@ NEEDED = {"snes": ("solve", "step"), "ksp": ("solve", "step"), "pc": ("apply",)}
 """Methods of which a solver of that kind has to have one: without, petsc4py takes steps of its own,
 or calls what is not there."""
 
+TAKEN = {"solve": ("solver", "b", "x"), "apply": ("pc", "x", "y")}
+"""What petsc4py calls these methods with."""
+
 PACKAGE = __name__.partition(".")[0]
 
 
@@ -55,6 +58,27 @@ def _check_one(named, path, needed):
         raise InputError(f"{named}, which has no {' and no '.join(needed)}: it is no solver")
     if callable(found):
         _check_call(named, found)
+    if isinstance(found, type):
+        _check_methods(named, found, needed)
+
+
+def _check_methods(named, found, needed):
+    """InputError where a method of a class does not take what it is called with.
+
+    Parameters
+    ----------
+    named : str, how the sentence begins
+    found : type
+    needed : tuple of str, methods that may be called
+    """
+    for method in TAKEN.keys() & set(needed):
+        if not inspect.isfunction(own := inspect.getattr_static(found, method, None)):
+            continue
+        try:
+            inspect.signature(own).bind("self", *TAKEN[method])
+        except TypeError:
+            raise InputError(f"{named}, whose {method} takes {inspect.signature(own)}, but is "
+                             f"called as {method}({', '.join(TAKEN[method])})") from None
 
 
 def _check_call(named, found):

@@ -35,9 +35,17 @@ class Declared(Options):
         cls.__annotations__ = {**{name: type(value.default) for name, value in own.items()},
                                **annotations}
         dataclasses.dataclass(eq=False)(cls)
-        for name, value in own.items():
-            if value.default is dataclasses.MISSING or not value.metadata:
-                raise TypeError(f"{cls.__name__}.{name} is not made by option(...)")
+        for field in dataclasses.fields(cls):
+            if field.default is dataclasses.MISSING or not field.metadata:
+                raise TypeError(f"{cls.__name__}.{field.name} is not made by option(...)")
+
+    def __setattr__(self, name, value):
+        """Set an attribute; AttributeError for an option of an object that a scene was made of
+        (`Registry.keep`): what is computed later would be of another one."""
+        if "_kept" in vars(self) and name in self.declared():
+            raise AttributeError(f"{self!r} is in use, its {name} cannot be set: make another "
+                                 f"object of {type(self).__name__}")
+        super().__setattr__(name, value)
 
     @classmethod
     @lru_cache(maxsize=64)
@@ -100,12 +108,13 @@ class Registry:
         self.own[name] = made
 
     def keep(self, made):
-        """The name by which a scene knows an object from now on: what it prints as, and a number
-        where another one does."""
+        """The name by which a scene knows an object, whose options stay from now on: what it prints
+        as, and a number where another one does."""
         text, count = repr(made), 1
         while self.objects.setdefault(text, made) is not made:
             count += 1
             text = f"{made!r} {count}"
+        vars(made)["_kept"] = True
         return text
 
     def knows(self, name):

@@ -36,7 +36,10 @@ def check_kinds(law, name):
 def check_senses(law, name):
     """InputError where a law has no attraction that rises and falls again, or a friction that
     drives the slip."""
-    if not min(law._opened) > 0.0:
+    if not np.all(np.isfinite(law._opened)):
+        raise InputError(f"the law {name} has a normal traction or tangent that is not finite at "
+                         f"some gap from 0 to {law.range:g} (ranges); mend it")
+    if not min(law._opened[:2]) > 0.0:
         raise InputError(f"the law {name} attracts nowhere: its normal traction has to rise "
                          "above 0 as the gap grows, and to fall to 0 again")
     little = law.tangent(np.zeros((2, 1)))[1, 1, 0]
@@ -49,6 +52,7 @@ def check_senses(law, name):
 def check_sizes(law, name):
     """InputError where a law claims another size or less softening than its tractions have."""
     sampled = {"normal_peak": law._opened[0], "softening": law._opened[1],
+               "barrier": law._opened[2],
                "tangential_peak": law._slipped[0], "slip_softening": law._slipped[2]}
     for what, found in sampled.items():
         claimed = getattr(law, what)

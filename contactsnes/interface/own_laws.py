@@ -77,7 +77,7 @@ def _check_tangent(law, name):
     for components in (1, 2, 3):
         gaps = places(law, components)
         try:
-            traction, tangent = law.traction(given := gaps.copy()), law.tangent(given)
+            traction, tangent = _filled(law, given := gaps.copy()), law.tangent(given)
             differences = _differences(law, gaps)
             alone, kept = law.evaluate(inside := gaps.copy(), inside), law.normal(gaps[0])[0]
         except (Exception, SystemExit) as error:
@@ -106,6 +106,16 @@ def _check_tangent(law, name):
             refuse(name, gaps, "tractions are not odd in slip, as it declares (odd = True)",
                    ~np.isclose(law.traction(mirror * gaps), mirror * traction, rtol=1e-9,
                                atol=1e-12), law.traction(mirror * gaps), mirror * traction)
+
+
+def _filled(law, gaps):
+    """Tractions of a law at gaps; TypeError, in words, where not the array that it is given holds
+    them."""
+    traction = law.evaluate(gaps, given := np.empty_like(gaps))
+    if traction is not given:
+        raise TypeError("its evaluate returns another array than the traction that it is given, or "
+                        "none: fill that one, and return it")
+    return traction
 
 
 def _check_signs(law, name, in_file):

@@ -482,7 +482,7 @@ void gaps_of_regularised(const Law *law, long nodes, const double *target, doubl
             const double w = target[at + k];
             now[k] = w < 0.0 ? -law->repulsion * log1p(-stiffness * w) : w;
             low[k] = w > 0.0 ? w - law->peak / stiffness : w;
-            high[k] = w > 0.0 ? w : 0.0;
+            high[k] = w > 0.0 ? w + law->barrier / stiffness : 0.0;
             going[k] = 1.0;
         }
         for (int turn = 0; turn < 60; turn++) {

@@ -30,7 +30,7 @@ typedef struct { /* a traction law: `laws.c` says what its functions fill */
     Tractions tractions;
     Normal normal;
     const double *parameters;
-    double peak, repulsion; /* largest attraction without slip; overlap of a factor e */
+    double peak, barrier, repulsion; /* largest attraction without slip, and repulsion apart; overlap of a factor e */
 } Law;
 
 typedef struct { /* a cosine transform of a row from the axis outwards */

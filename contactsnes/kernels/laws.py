@@ -42,7 +42,7 @@ class LawKernel:
         values = [float(getattr(law, name)) for name in parameters]
         self._parameters, self._library = np.array([*values, 0.0]), library
         self.structure = structures.Law(*functions, address(self._parameters), law.normal_peak,
-                                        law.repulsion)
+                                        law.barrier, law.repulsion)
         self.reference, self._call = ctypes.addressof(self.structure), shared().evaluate
 
     def __call__(self, gap, traction, tangent=None):

@@ -44,7 +44,8 @@ class Law(ctypes.Structure):
     """A traction law."""
 
     _fields_ = [("sheared", c_void_p), ("tractions", c_void_p), ("normal", c_void_p),
-                ("parameters", c_void_p), ("peak", c_double), ("repulsion", c_double)]
+                ("parameters", c_void_p), ("peak", c_double), ("barrier", c_double),
+                ("repulsion", c_double)]
 
 
 class Line(ctypes.Structure):

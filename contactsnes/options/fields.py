@@ -12,6 +12,8 @@ from functools import lru_cache
 from itertools import chain
 from typing import ClassVar
 
+from .kinds import kind_of
+
 
 class InputError(ValueError):
     """Bad input: one sentence with the option, its value, what is allowed and what to try."""
@@ -37,8 +39,7 @@ def option(default, meaning, unit="", *, kind=None, minimum=None, maximum=None, 
     also : function (text), whether it is allowed, where ``word`` stands for many
     default_text : str, the default as the help says it
     """
-    if kind is None:
-        kind = {bool: "flag", int: "integer", float: "number", str: "text"}[type(default)]
+    kind = kind or kind_of(default)
     rule = dict(meaning=meaning, unit=unit, kind=kind, minimum=minimum, maximum=maximum,
                 above=above, below=below, choices=choices, many=many, infinite=infinite, even=even,
                 word=word, also=also, known=default not in (None, ""),
@@ -220,8 +221,7 @@ def extend(cls, *groups):
         return
     added = [(name, type(known[name].default), _fresh(known[name])) for name in wanted]
     wider = dataclasses.make_dataclass(cls.__name__, added, bases=(cls,), frozen=True)
-    for name in ("__init__", "__eq__", "__hash__", "__match_args__",
-                 "__dataclass_fields__"):
+    for name in ("__init__", "__eq__", "__hash__", "__match_args__", "__dataclass_fields__"):
         setattr(cls, name, getattr(wider, name))
     for name, _, field in added:
         setattr(cls, name, field.default)

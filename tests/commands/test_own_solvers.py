@@ -47,6 +47,20 @@ class Misspelt:
         pass
 
 
+class Short:
+    def solve(self, snes):
+        pass
+
+    def apply(self, pc, x):
+        pass
+
+
+class Static:
+    @staticmethod
+    def apply(pc, x, y):
+        x.copy(y)
+
+
 class Asking:
     def __init__(self, size):
         self.size = size
@@ -77,6 +91,8 @@ def folder(tmp_path, monkeypatch, kept_options):
     (SNES, "solvers_of_mine.Leaving", "its solve fails (SystemExit: 3; line 17 of the file)"),
     (SNES, "solvers_of_mine.Misspelt", "has no solve and no step"),
     (SNES, "solvers_of_mine.Asking", "which takes (size), but is called without arguments"),
+    (SNES, "solvers_of_mine.Short", "whose solve takes (self, snes), but is called as solve("),
+    (PC, "solvers_of_mine.Short", "whose apply takes (self, pc, x), but is called as apply(pc, x"),
     (SNES, "solvers_of_mine.Failling", "did you mean solvers_of_mine.Failing?"),
     (SNES, "solvers_of_mine", "has no solve and no step"),
     (SNES, "./solvers_of_mine.py:Failing", "allowed is MODULE.CLASS"),
@@ -90,7 +106,7 @@ def test_what_cannot_be_a_solver_or_fails_is_told(folder, capsys, options, name,
     assert told[0].startswith(f"contactsnes: error: {options[-1]} is '{name}'")
 
 
-@pytest.mark.parametrize("name", ("Fine", "function"))
+@pytest.mark.parametrize("name", ("Fine", "Static", "function"))
 def test_a_preconditioner_of_ones_own_is_taken(folder, name):
     assert cli.main([*SCENE, *PC, f"solvers_of_mine.{name}"]) == 0
 

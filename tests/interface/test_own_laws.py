@@ -516,6 +516,97 @@ def test_a_long_range_is_sampled_where_the_law_is_steep():
     assert law.softening == pytest.approx(1 / 16, rel=1e-6)
 
 
+class Hindered(Law):
+    """a exp(-a), and a repulsion around a gap of 4 before it, as of a double layer."""
+
+    opening_range = 12.0
+
+    def tractions(self, a, b):
+        return a * np.exp(-a) - 0.2 * a * np.exp(-(a - 4.0) ** 2), 0.3 * np.exp(-a)
+
+
+def test_a_law_that_repels_before_it_attracts():
+    """Gaps of the regularised gap were sought below it, and states that were moved lay elsewhere:
+    no step was found."""
+    law = Hindered()
+    a = np.linspace(-5.0, 9.0, 141)
+    np.testing.assert_allclose(law.gap_of_regularised(law.regularised(a, 1.2), 1.2), a, atol=1e-8)
+    scene = Scene(**SMALL, height=math.inf)
+    branch = Branch(scene, Load("normal_displacement=0", "normal_displacement=1"), law=law)
+    *_, point = branch
+    displacement = branch.contact.extended(point.state)[0]
+    x = 20.0 / 128 * np.arange(-64, 64)
+    waves = 2.0 * np.pi * np.fft.rfftfreq(128, 20.0 / 128)
+    balance = (np.fft.rfft(law.normal(x * x / 2.0 + displacement)[0])[1:] * 2.0 / waves[1:]
+               + np.fft.rfft(displacement)[1:])
+    assert displacement.mean() == pytest.approx(-1.0) and np.max(np.abs(balance)) < 1e-5
+
+
+def test_a_barrier_that_tractions_do_not_have_is_told():
+    law = type("Free", (Hindered,), {"barrier": 0.0})()
+    with pytest.raises(InputError, match="Free declares barrier = 0, .* tractions give 0.746"):
+        own_laws.check(law, "Free")
+
+
+def unfilled(self, gap, traction, tangent=None):
+    """Tractions a exp(-a) in an array of their own."""
+    a = gap[0].copy()
+    if tangent is not None:
+        tangent[...] = 0.0
+        tangent[0, 0] = (1.0 - a) * np.exp(-a)
+    return np.concatenate([[a * np.exp(-a)], 0.0 * gap[1:]])
+
+
+def unreturned(self, gap, traction, tangent=None):
+    """The same filled in, and no more."""
+    traction[...] = unfilled(self, gap, traction, tangent)
+
+
+def holed(self, gap, traction, tangent=None):
+    """The same but at the gap 0.123, between places of lines."""
+    hole = np.abs(gap[0] - 0.123) < 2e-4
+    unreturned(self, gap, traction, tangent)
+    traction[0, hole] = np.nan
+    return traction
+
+
+@pytest.mark.parametrize("evaluate, words", [
+    (unfilled, "its evaluate returns another array than the traction that it is given, or none"),
+    (unreturned, "its evaluate returns another array than the traction that it is given, or none"),
+    (holed, "a normal traction or tangent that is not finite at some gap from 0 to 37")])
+def test_an_evaluate_that_does_not_fill_its_traction_is_told(evaluate, words):
+    with pytest.raises(InputError, match=words):
+        own_laws.check(type("Idle", (Law,), {"evaluate": evaluate})(), "Idle")
+
+
+@pytest.mark.parametrize("line, words", [
+    ("ab = option((1.0, 2.0), 'two')", "has the default .1.0, 2.0., but is a number, a text"),
+    ("x = option(None, 'none')", "has the default None, but is a number, a text"),
+    ("x: float = 0.4", "Odd.x is not made by option")])
+def test_options_that_are_none_are_told(line, words, tmp_path):
+    (tmp_path / "odd.py").write_text("from contactsnes import Law, option\n\n"
+                                     f"class Odd(Law):\n    {line}\n", encoding="utf-8")
+    with pytest.raises(InputError, match=f"odd.py' does not run .TypeError: .*{words}"):
+        Scene(law=f"{tmp_path / 'odd.py'}:Odd")
+
+
+def test_defaults_of_options_may_be_numpys():
+    assert option(np.float64(0.5), "half").metadata["kind"] == "number"
+    assert option(np.int64(2), "two").metadata["kind"] == "integer"
+
+
+def test_options_of_an_object_in_use_cannot_be_set():
+    """Laws that NumPy evaluates changed on the way, the archive told of the first."""
+    law = Sticking(0.3)
+    law.stiffness = 0.4
+    branch = Branch(Scene(**SMALL), Load(path="normal_displacement=1"), law=law)
+    with pytest.raises(AttributeError, match="0.4. is in use, its stiffness cannot be set: make"):
+        law.stiffness = 0.5
+    with pytest.raises(AttributeError, match="in use"):
+        branch.contact.law.stiffness = 0.5
+    assert branch.contact.law.stiffness == 0.4
+
+
 def frictionless(self, a, b):
     return a * np.exp(-a), 0.0
 

@@ -89,6 +89,20 @@ def test_gaps_of_the_regularised_gap_are_numpys(name, nodes):
 
 
 @compiler
+def test_gaps_of_the_regularised_gap_of_a_law_that_repels_first(tmp_path):
+    class Hindered(Soft):
+        opening_range = 12.0
+
+        def tractions(self, a, b):
+            return (a * np.exp(-a) - 0.2 * a * np.exp(-(a - 4.0) ** 2),
+                    2.0 * np.exp(-b * b) / (1.0 + a * a))
+
+    law, a = with_kernel(Hindered(), tmp_path), np.linspace(-5.0, 9.0, 141)
+    assert kernel_of(law) is not None
+    np.testing.assert_allclose(law.gap_of_regularised(law.regularised(a, 1.2), 1.2), a, atol=1e-8)
+
+
+@compiler
 def test_a_law_with_its_own_regularised_gap_keeps_it(tmp_path):
     class Own(Soft):
         def gap_of_regularised(self, target, stiffness):

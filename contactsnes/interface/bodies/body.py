@@ -93,7 +93,7 @@ class Body(Declared):
         if ratio == self.work_ratio:
             return self
         found = copy.copy(self)
-        found.work_ratio = ratio
+        vars(found)["work_ratio"] = ratio
         return found
 
     # What a body declares

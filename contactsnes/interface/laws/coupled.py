@@ -33,7 +33,7 @@ class Coupled(Law):
     """
 
     decoupled_in_overlap = False
-    normal_peak = NORMAL_PEAK
+    normal_peak, barrier = NORMAL_PEAK, 0.0
     softening = SOFTENING
     moving_stiffness = 1.5 * SOFTENING
     newton_stiffness = 0.2

@@ -40,8 +40,8 @@ class Law(Declared):
     A subclass is made a dataclass when it is defined. Its options are class attributes made by
     `options.fields.option`, ``-scene_`` + their names, and its parameters from Python. It has to
     have ``tractions``, or ``evaluate`` in place of it; tractions vanish at no gap and no slip,
-    attract where a > 0 without slip, and repel where a < 0. All else has defaults: what follows
-    from the tractions is found from them by sampling.
+    attract without slip where a > 0, but for a ``barrier``, and repel where a < 0. All else has
+    defaults: what follows from the tractions is found from them by sampling.
 
     Attributes
     ----------
@@ -120,9 +120,9 @@ class Law(Declared):
 
     def __setattr__(self, name, value):
         """Set an attribute; a formula with its old value is forgotten."""
-        for made in MADE:
-            vars(self).pop(made, None)
         super().__setattr__(name, value)
+        for made in set(MADE) - {name}:
+            vars(self).pop(made, None)
 
     def __getstate__(self):
         """What is copied and kept: not the formula, which is made again."""
@@ -172,10 +172,10 @@ class Law(Declared):
 
     @cached_property
     def _opened(self):
-        """Largest attraction without slip, and steepest fall of it."""
+        """Largest attraction without slip, its steepest fall, and largest repulsion where a > 0."""
         fine = 5001j if self.range > 37.0 else 0j  # a long range is coarse where the law is steep
         normal, slope = self.normal(np.r_[0.0:self.range:37001j, 0.0:self.opening_range:fine])
-        return float(normal.max()), float(np.max(-slope))
+        return float(normal.max()), float(np.max(-slope)), float(max(np.max(-normal), 0.0))
 
     @cached_property
     def _slipped(self):
@@ -192,6 +192,11 @@ class Law(Declared):
     def normal_peak(self):
         """Largest adhesive traction without slip, phi_n / delta_n."""
         return self._opened[0]
+
+    @property
+    def barrier(self):
+        """Largest repulsion without slip where a > 0, phi_n / delta_n: 0 unless the law has one."""
+        return self._opened[2]
 
     @property
     def tangential_peak(self):
@@ -249,10 +254,7 @@ class Law(Declared):
 
     def regularised(self, gap, stiffness):
         """w = a + N(a) / stiffness of a normal gap (nodes), ranges of the law: in overlap it is a
-        traction, no logarithm of one.
-
-        Single-valued for a stiffness above ``softening``.
-        """
+        traction, no logarithm of one; single-valued for a stiffness above ``softening``."""
         return gap + self.normal(gap)[0] / stiffness
 
     def gap_of_regularised(self, target, stiffness):
@@ -260,10 +262,10 @@ class Law(Declared):
         Newton iteration."""
         new = np.where(target < 0.0,
                        -self.repulsion * np.log1p(-stiffness * np.minimum(target, 0.0)), target)
-        # a and w have one sign, and N(a) is at most its peak, and negative in overlap: a lies
-        # between these.
+        # a and w have one sign, and N(a) is at most its peak, at least minus its barrier where a >
+        # 0, and negative in overlap: a lies between these.
         low = np.where(target > 0.0, target - self.normal_peak / stiffness, target)
-        high = np.maximum(target, 0.0)
+        high = np.where(target > 0.0, target + self.barrier / stiffness, 0.0)
         nodes, now = np.arange(len(target)), new.copy()
         for _ in range(60):
             normal, slope = self.normal(now)
@@ -282,9 +284,7 @@ class Law(Declared):
 
     def regularised_step(self, gap, step, stiffness):
         """The step of the normal gap that is ``step`` to first order, but taken in w = a + N(a) /
-        stiffness.
-
-        w has no exponential in overlap: a step that would overshoot in a is moderate in w.
+        stiffness, which has no exponential in overlap: steps that would overshoot are moderate.
 
         Parameters
         ----------

@@ -26,7 +26,7 @@ class XuNeedleman(Law):
                                    "that is left without a traction after shear",
                                    minimum=0, below=1)
     slip_options = ("xu_needleman_q", "xu_needleman_r")
-    normal_peak = NORMAL_PEAK
+    normal_peak, barrier = NORMAL_PEAK, 0.0
     softening = SOFTENING
     moving_stiffness = 1.5 * SOFTENING
     newton_stiffness = 0.2

@@ -1,0 +1,14 @@
+"""Kinds of options, by their defaults."""
+
+from numbers import Integral, Real
+
+KINDS = ((bool, "flag"), (Integral, "integer"), (Real, "number"), (str, "text"))
+
+
+def kind_of(default):
+    """The kind of an option by its default; TypeError, in words, of one that tells none."""
+    for own_type, kind in KINDS:
+        if isinstance(default, own_type):
+            return kind
+    raise TypeError(f"an option has the default {default!r}, but is a number, a text, True or "
+                    "False: several values are several options")
