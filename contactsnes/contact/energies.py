@@ -207,8 +207,10 @@ class PathEnergies:
         point, before = entry.point, last.point
         interface = point.interfacial_energy - before.interfacial_energy
         if np.isnan(interface):
-            work = straight(self.contact, before.state, point.state, FAR_PANELS)
-            interface = float(self.contact.grid.node_area * work @ weights(self.contact, len(work)))
+            # backwards: out of its range the law needs no window to speak of
+            back = straight(self.contact, point.state, before.state, FAR_PANELS)
+            interface = -float(self.contact.grid.node_area * back
+                               @ weights(self.contact, len(back)))
         external = interface + point.elastic_energy - before.elastic_energy
         return self._summed(point, before, external, interface, 0.0)
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from contactsnes import Branch, Load, NoEquilibrium, Scene, Steps
+from contactsnes import Branch, Form, Load, NoEquilibrium, Scene, Steps
 from contactsnes.commands.progress import Progress
 from contactsnes.contact import states
 from contactsnes.contact.energies import PathEnergies, stored, straight
@@ -293,6 +293,28 @@ def test_work_on_a_straight_way_is_the_difference_of_a_potential():
     errors = [abs(straight(contact, near, far, panels)[0] / (potential[1] - potential[0]) - 1.0)
               for panels in (4, 8, 60)]
     assert errors[1] < 0.05 * errors[0] and errors[2] < 1e-9
+
+
+@pytest.mark.parametrize("changes", [
+    {}, {"dimension": 2, "geometry": "sphere", "points": 24, "period": 12.0}])
+@pytest.mark.parametrize("symmetry", ["auto", "off"])
+def test_works_out_of_the_range_of_the_law_are_those_of_fine_steps(changes, symmetry):
+    """Where a force vanishes, far out of range, the law acts on none of the window's few nodes, but
+    it did where the way began."""
+    scene = Scene(**{"points": 128, "period": 12.0, "normal_maugis": 1.7, "height": 2.6,
+                     "poisson": 0.3, **changes})
+    form, kinds = Form(symmetry=symmetry), ("external_work", "interface_work")
+
+    def path(start, end, step):
+        return list(Branch(scene, Load(f"normal_displacement={start!r}", end),
+                           Steps(initial_step=step, largest_step=step, at_fold="stop"), form))
+
+    *_, before, released = path(-2.5, "normal_force=1", 0.4)
+    assert released.event == "fold" and released.forces[0] == 0.0 and not released.in_contact
+    stepped = path(float(before.displacements[0]), "normal_displacement=-15", 0.1)[-1]
+    for kind in kinds:
+        work = getattr(released, kind) - getattr(before, kind)
+        assert work == pytest.approx(getattr(stepped, kind), rel=1e-3), kind
 
 
 def test_a_jump_without_potential_needs_the_works_along_its_motion():
