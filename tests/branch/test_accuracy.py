@@ -18,6 +18,7 @@ from contactsnes.branch.first_points import refined
 from contactsnes.branch.grid_choice import chosen, memory_needed, next_grid, predicted, reason
 from contactsnes.contact.observables import Measurement
 from contactsnes.contact.problem import Contact
+from contactsnes.contact.states import State
 from contactsnes.continuation.points import NotConverged, TooCoarse
 from contactsnes.options.fields import InputError
 from contactsnes.scene.load import Load
@@ -378,3 +379,22 @@ def test_too_coarse_names_the_grid_to_take(monkeypatch):
         assert rows[0]["error_trusted"] in (0, 1) and watch.above == 2
         assert len(lines.said) == 1 and why in lines.said[0]
         assert "missed at 2 of 2 points" in watch.summary()[1]
+
+
+def test_rounding_of_a_component_that_nothing_drives_leaves_trust():
+    """Its spectrum does not fall, and was looked at as that of the others."""
+    scene = Scene(dimension=2, points=64, period=10.0, normal_maugis=0.8, tangential_maugis=0.5,
+                  geometry="sphere", tangential="on")
+    branch = Branch(scene, Load("normal_displacement=0", "normal_displacement=0.2"))
+    point, estimator = next(iter(branch)), accuracy.Estimator(branch.contact)
+    assert len(point.controls) == 3 and estimator(point).trusted
+    finer, _ = estimator._on(2)
+    exact = finer.solve(refined(branch.contact, finer.contact, point.state), point.controls,
+                        point.load)
+    cell = finer.contact.extended(exact.state)
+    draw = np.random.default_rng(0)
+    for size, trusted in ((1e-14, True), (1e-4, False)):
+        cell[1:] = size * draw.standard_normal(cell[1:].shape)
+        widest = finer.contact.widest
+        noisy = exact.changed(state=State(widest, widest.take(cell), exact.state.means))
+        assert estimator._decays(noisy, finer.contact) == trusted
