@@ -30,7 +30,7 @@ from ..solvers.registry import OPTIONS
 from . import failures, first_points, restarting
 from .contacts import contact_of
 from .grid_choice import chosen
-from .remarks import Remarks
+from .remarks import Remarks, unmarked
 from .too_large import refuse_too_large
 from .tracing import Tracer
 
@@ -153,7 +153,7 @@ class Branch:
                   for number in range(1, len(self.legs) + 1)]
         points = path.branch(self.corrector, self._start, makers, predictor=self._predictor,
                              at_fold=self.steps.at_fold, stops=self.load.stops,
-                             history=self.history,
+                             history=self.history if self.stability else unmarked(self.history),
                              certify=self.stability or (lambda point: point),
                              at_bifurcation=self.steps.at_bifurcation,
                              stepper=steppers.stepper(self.steps, self.scene.dimension == 1

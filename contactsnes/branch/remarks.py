@@ -138,3 +138,8 @@ class Remarks:
                                            "under a force" if point.leg == 1 and forced[0] else ""))
         single = np.count_nonzero(changed[forced]) == 1 and point.event != "fold"
         return replace(point, stable=0) if single else point
+
+
+def unmarked(points):
+    """Points without what by-products told of their stability, as steps go on from them."""
+    return [point.changed(stable=-1, unstable_modes=-1) for point in points]

@@ -151,6 +151,21 @@ def test_an_interrupted_path_keeps_the_switch(at_fold):
         assert rest[-1].displacements == pytest.approx(points[-1].displacements, abs=1e-6)
 
 
+def test_marks_of_an_unstable_part_end_where_they_did():
+    """Interrupted there, too: a fold behind it is not looked at by anyone."""
+    path = dict(path="normal_force=1", start="normal_displacement=-3",
+                steps=Steps(locate_folds=False),
+                scene=Scene(points=128, normal_maugis=2.0, period=20.0))
+    branch, points = followed(**path)
+    marks = [point.stable for point in points]
+    fold = [point.event for point in points].index("fold")
+    assert 0 in marks[:fold] and marks[fold] == -1
+    for done in range(1, fold + 2):
+        history = [branch.restored(branch.packed(point)) for point in points[max(0, done - 4):done]]
+        _, rest = followed(**path, history=history)
+        assert [point.stable for point in rest][:2] == marks[done:done + 2], done
+
+
 @pytest.mark.parametrize("softest, modes, told", [(-1e-3, 2, True), (-1e-3, 0, False),
                                                   (1e-3, 2, False), (np.nan, 2, False)])
 def test_a_first_point_that_is_not_stable_is_told_of(softest, modes, told, monkeypatch):
