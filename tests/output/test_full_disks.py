@@ -55,8 +55,9 @@ def test_a_comparison_names_its_files(tmp_path):
     words = ["compare", *(ROOT / "options" / name for name in ("cylinder.opts", "newton.opts")),
              "-scene_points", "64", "-scene_period", "20", "-load_path", "normal_displacement=0.1",
              "-compare_file", "two"]
-    done = subprocess.run([sys.executable, "-c", SHOW, *words], cwd=tmp_path, env=ENVIRONMENT,
-                          capture_output=True, text=True)
+    # the options, which are read by way of a file in memory, take up to 2 kB
+    done = subprocess.run([sys.executable, "-c", SHOW.replace("1000", "4000"), *words],
+                          cwd=tmp_path, env=ENVIRONMENT, capture_output=True, text=True)
     assert done.returncode == 1 and "the comparison two cannot be written" in done.stderr
     assert [path.name for path in tmp_path.iterdir()] in ([], ["two.csv"])  # which may have room
 
