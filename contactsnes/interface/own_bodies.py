@@ -112,7 +112,7 @@ def _check_surface(c, m, q, named):
             ("longitudinal", c.longitudinal * m.longitudinal - c.coupling * m.coupling),
             ("transverse", c.transverse * m.transverse)):
         _refuse(f"{named}: its {words} stiffness times its compliance", q, values,
-                ~(np.abs(values - 1) < ALIKE), "1")
+                ~(np.abs(values - 1) < ALIKE), f"1 to {ALIKE:g}, as in double precision")
 
 
 def _misshapen(named, words, values, q):
@@ -263,5 +263,5 @@ def _refuse(words, q, values, wrong, meant):
     """InputError that tells of the first wave number at which a value is wrong."""
     if np.any(wrong):
         place = np.argmax(np.broadcast_to(wrong, q.shape))
-        raise InputError(f"{words} is {np.broadcast_to(values, q.shape)[place]:.6g} at the wave "
+        raise InputError(f"{words} is {np.broadcast_to(values, q.shape)[place]:.9g} at the wave "
                          f"number {q[place]:.6g} 1/beta: it has to be {meant}")

@@ -183,6 +183,8 @@ def test_a_body_of_ones_own():
      "its normal stiffness times its compliance is 2 at the wave number 0.314159 1/beta: .* be 1"),
     ({"surface_stiffness": lambda self, q: Body.surface_stiffness(self, q)._replace(transverse=q)},
      "its transverse stiffness times its compliance is"),
+    ({"surface_stiffness": lambda self, q: Surface(*[np.float32(0.5) * np.float32(q)] * 3, 0 * q)},
+     r"normal stiffness times its compliance is (1\.0+|0\.9+)[1-9]\d* at .* be 1 to 1e-08, as in"),
     ({"rigid_compliance": (-1.0, 0.0)}, "rigid_compliance is"),
     ({"rigid_compliance": 0.0}, "cannot be evaluated .TypeError"),
     ({"local_compliance": (-1.0, 0.0)}, "local_compliance is .-1.0, 0.0.: both have to be from 0"),
