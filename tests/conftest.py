@@ -8,17 +8,6 @@ from contactsnes.commands.starting import stay_alone
 stay_alone()  # so do the processes that tests start, hundreds, each a third of a second sooner
 
 
-def pytest_collection_modifyitems(items):
-    """Files of tests of several processes stand apart among the others: two that run at once would
-    have more processes than there are cores."""
-    kinds = {False: {}, True: {}}
-    for item in items:
-        kinds["parallel" in item.path.parts].setdefault(item.path)
-    place = {path: (number + 0.5) / len(paths) for paths in kinds.values()
-             for number, path in enumerate(paths)}
-    items.sort(key=lambda item: place[item.path])
-
-
 @pytest.fixture
 def options():
     """A function that sets options (a value of None: none) until the end of the test."""
