@@ -8,7 +8,6 @@ an interrupted command.
 
 import dataclasses
 import gc
-import os
 import signal
 import sys
 from functools import partial
@@ -253,11 +252,13 @@ def compare(arguments):
     if asks_for_help(arguments):
         return _help_on_options(arguments, (CompareOptions,))
     comparison, stem = start_comparison(arguments, partial(print, flush=True))
-    # files are written: no backend has a say, and an unknown one would end the import
-    os.environ.pop("MPLBACKEND", None)
-    from ..compare import figure as comparison_figure
     from ..compare import table as comparison_table
     from .showing import writing
+
+    def drawn():
+        from ..compare.figure import plot_comparison  # and matplotlib, which others need not import
+
+        return [plot_comparison([f"{stem}.h5"], f"{stem}.png")]
 
     about = {"scene": str(comparison.branch.scene), "options": database_text(),
              "versions": str(versions())}
@@ -268,8 +269,7 @@ def compare(arguments):
             complain("warning", f"{name} was never used: neither this program "
                      "nor any PETSc object in use asks for it")
     print("", *comparison_table.lines(comparison), sep="\n")
-    figures = [writing(kept, lambda: comparison_figure.plot_comparison(
-        [f"{stem}.h5"], f"{stem}.png"))] if comparison.watched else []
+    figures = writing(kept, drawn) if comparison.watched else []
     print(f"{stem}.csv", f"{stem}.h5", *figures, sep="\n", flush=True)
     return 0 if any(comparison.finished(method) for method in comparison.methods) else 1
 
