@@ -12,10 +12,11 @@ The right side is a line integral over a curve of few dimensions: the cubic thro
 points by chord length, so that its error falls as the fourth power of the step, through folds as
 well (`work_along`). Points at corners of the path, where legs or jumps begin, are not joined.
 Where the law has a potential the work done on the interface is that potential's difference, free of
-any step error: the two then test each other (``energy_imbalance``). Elsewhere it is what the
-balance leaves of the external work. A jump under fixed loads dissipates the work of the loads that
-is neither stored nor done on the interface. Where there is no potential, the latter is summed up
-along the motion that was followed; if there was none, it is not known.
+any step error; elsewhere it is a line integral as well, over the curves of all nodes
+(`interface_work`). The two works test each other (``energy_imbalance``). A jump under fixed loads
+dissipates the work of the loads that is neither stored nor done on the interface. Where there is no
+potential, the latter is summed up along the motion that was followed; if there was none, it is not
+known.
 """
 
 import math
@@ -24,6 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..interface.laws.law import slip_of
+from .interface_work import between
 from .states import onto
 from .work_along import MOST, path_work
 
@@ -227,7 +229,9 @@ class PathEnergies:
                              self.contact.kernels.compiled)
         interface = point.interfacial_energy - before.interfacial_energy
         if np.isnan(interface):
-            interface = external - (point.elastic_energy - before.elastic_energy)
+            done = between(self.contact, [other.point.state for other in entries], *along,
+                           self._give, first)
+            interface = float(done @ self._weights[:len(done)])
         return self._summed(point, before, external, interface, 0.0, smooth_steps=steps)
 
     def _summed(self, point, before, external, interface, lost, **changes):

@@ -118,10 +118,36 @@ def alike(contact, states, others=()):
     half = largest.half
     if half is None or any(state.half is None or state.half.parities != half.parities
                            for state in every):
-        return (contact.grid, largest.window,
-                [onto(state, largest.window) for state in every])
-    return half.grid, half, [state.once if state.half == half
-                             else half.fold(onto(state, half.full)) for state in every]
+        return contact.grid, largest.window, _on(every, largest.window)
+    return half.grid, half, _on(every, half)
+
+
+def _on(every, nodes):
+    """Displacements (components, nodes) of states on a window, or of such that are all even or odd
+    alike at the nodes of a half."""
+    if not nodes.even:
+        return [onto(state, nodes) for state in every]
+    return [state.once if state.half == nodes else nodes.fold(onto(state, nodes.full))
+            for state in every]
+
+
+def everywhere(contact, states):
+    """What `alike` tells of states, with a mask (nodes,) of the nodes that count, None: all; then
+    the same of each further window of theirs, of its nodes that none before it has."""
+    grid, nodes, known = alike(contact, states)
+    yield grid, nodes, known, None
+    passed, seen = [nodes], None
+    for own in [state.half if nodes.even else state.window for state in states]:
+        if own in passed:
+            continue
+        if seen is None:
+            seen = np.zeros(contact.grid.local_shape, dtype=bool)
+        last = passed[-1].full if nodes.even else passed[-1]
+        last.put(np.ones(last.size, dtype=bool), seen)
+        more = ~own.take(seen)
+        if contact.grid.any(more.any()):
+            yield own.grid if nodes.even else grid, own, _on(states, own), more
+        passed.append(own)
 
 
 def weighted(arrays, weights):

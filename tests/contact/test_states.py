@@ -8,9 +8,10 @@ from contactsnes import Branch, Load
 from contactsnes.contact import edges as following
 from contactsnes.contact import fronts, states
 from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact
-from contactsnes.contact.state import Mirrored
+from contactsnes.contact.state import Mirrored, everywhere
 from contactsnes.continuation.points import lagrange_weights
-from contactsnes.grid.even import EvenWindow
+from contactsnes.grid.active import some
+from contactsnes.grid.even import EvenWindow, halved
 from contactsnes.grid.windows import Window
 from contactsnes.interface.laws import Law
 from contactsnes.scene.settings import Scene, Steps
@@ -48,6 +49,43 @@ def parabola(contact, window, half, centre=0.0, opening=30.0):
     x = window.coordinates()[0] - centre
     return with_gap(contact, window, contact.scene.contact_threshold
                     + opening * ((x / half) ** 2 - 1.0))
+
+
+# States on several windows
+
+
+def windows(contact, kind):
+    """Three windows of one kind, none of which has all nodes of the others."""
+    box = contact.grid.box
+    if kind == "line":
+        return [box([200], [90]), box([250], [80]), box([180], [50])]
+    if kind == "nodes":
+        chosen = np.random.default_rng(3).random((3, contact.grid.size)) < 0.3
+        return [some(contact.grid.whole, np.flatnonzero(one)) for one in chosen]
+    boxes = [box([24 - a, 16 - b], [2 * a + 1, 2 * b + 1]) for a, b in ((9, 3), (4, 6), (2, 2))]
+    return [halved(one) for one in boxes] if kind == "halves" else boxes
+
+
+@pytest.mark.parametrize("kind", ["line", "boxes", "nodes", "halves"])
+def test_every_node_of_several_windows_counts_once(kind):
+    contact = line() if kind == "line" else plane()
+    field = np.cos(np.sqrt(1.0 + contact.initial_gap))  # even about the apex
+    nodes, union = windows(contact, kind), np.zeros(contact.grid.shape, dtype=bool)
+    found = []
+    for own in nodes:
+        values = own.take(field)[None]
+        found.append(Mirrored.of(own, values, np.zeros(1)) if own.even
+                     else states.State(own, values, np.zeros(1)))
+        found[-1].window.put(np.ones((1, found[-1].window.size), dtype=bool), union[None])
+    sums, counted = np.zeros(2), 0
+    for grid, own, known, mask in everywhere(contact, found):
+        (values,) = known[nodes.index(own)]
+        assert np.array_equal(values, own.take(field))
+        counts = np.ones(own.size) if mask is None else mask.astype(float)
+        sums += grid.sum(np.array([counts, counts * values]))
+        counted += 1
+    assert counted == (2 if kind in ("boxes", "halves") else 3)
+    assert sums == pytest.approx([union.sum(), field[union].sum()])
 
 
 # The start without overlap

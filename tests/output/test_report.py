@@ -283,14 +283,12 @@ class Kept(dict):
                                "normal_force": "N"}, 3, True
 
 
-@pytest.mark.parametrize("energies, told, fine", [
-    ([1.0, 2.0, 3.0], "0.5 of 7 J", False), ([np.nan] * 3, "not known: the law has no potential",
-                                             True),
-    ([1.0, 2.0, np.nan], "1e−06 of 2 J, of the 2 points where the law has a potential", True)])
-def test_a_balance_that_tests_nothing_certifies_nothing(energies, told, fine):
-    """Without a potential the imbalance is 0 by definition, or what it was before."""
-    record = Kept(interfacial_energy=np.array(energies), external_work=np.array([0.0, -2.0, 7.0]),
-                  energy_imbalance=np.array([0.0, 1e-6, 0.5]), residual_norm=np.zeros(3),
+@pytest.mark.parametrize("last, told, fine", [
+    (0.5, "0.5 of 7 J", False), (2e-6, "2e−06 of 7 J", True),
+    (np.nan, "1e−06 of 2 J, of the 2 points before a jump whose loss is not known", True)])
+def test_a_balance_certifies_the_points_that_it_tests(last, told, fine):
+    record = Kept(external_work=np.array([0.0, -2.0, 7.0]),
+                  energy_imbalance=np.array([0.0, 1e-6, last]), residual_norm=np.zeros(3),
                   resolved=np.ones(3), stable=-np.ones(3))
     (row,) = [row for row in certificates.rows(record) if row[0].startswith("missing")]
     assert row[1].startswith(told) and row[2] == fine

@@ -22,11 +22,8 @@ def rows(record):
 
 
 def _balance(record):
-    """What the balance of energies leaves, of the points that have a potential: at others the work
-    on the interface is what the balance leaves, and nothing is tested."""
-    told, tested = "missing in the balance of energies", np.isfinite(record["interfacial_energy"])
-    if not tested.any():
-        return [told, "not known: the law has no potential there", True]
+    """What the balance of energies leaves, of the points before a jump whose loss is not known."""
+    told, tested = "missing in the balance of energies", np.isfinite(record["energy_imbalance"])
     done = record["external_work"]
     if np.isnan(done).all():  # loads of a half-plane do a work that is not known
         done = record["interface_work"]
@@ -34,7 +31,7 @@ def _balance(record):
                      for values in (record["energy_imbalance"], done))
     text = f"{number(missing, 2)} of {number(work, 3)} {symbol(record.units['external_work'])}"
     if not tested.all():
-        text += f", of the {_count(tested)} points where the law has a potential"
+        text += f", of the {_count(tested)} points before a jump whose loss is not known"
     return [told, text, missing <= MISSING * work or work == 0.0]
 
 
