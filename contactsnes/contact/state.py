@@ -145,7 +145,7 @@ def everywhere(contact, states):
         last = passed[-1].full if nodes.even else passed[-1]
         last.put(np.ones(last.size, dtype=bool), seen)
         more = ~own.take(seen)
-        if contact.grid.any(more.any()):
+        if contact.grid.any(more):
             yield own.grid if nodes.even else grid, own, _on(states, own), more
         passed.append(own)
 

@@ -112,25 +112,12 @@ def line_rule(places, first, rule):
     return basis, half * shares * slopes
 
 
-def distances(displacements, forces, give):
-    """Chord length along the points of a path, in which a force counts by how much gives way to it,
-    array (points,).
-
-    Parameters
-    ----------
-    displacements, forces, give : as of `line_work`
-    """
-    along = np.concatenate([displacements, give * forces], axis=1)
-    steps, places = along[1:] - along[:-1], np.zeros(len(along))
-    np.sqrt(np.einsum("ij,ij->i", steps, steps)).cumsum(out=places[1:])
-    return places
-
-
 def line_work(displacements, forces, give, weights, first, rule):
     """Work of forces over displacements from point number ``first`` of a path to its last one, by
     polynomials through all of its points.
 
-    These are of the `distances` along the points.
+    These are of the chord length along the points, in which a force counts by how much gives way
+    to it.
 
     Parameters
     ----------
@@ -139,7 +126,9 @@ def line_work(displacements, forces, give, weights, first, rule):
     first : int
     rule : (places, shares) of Gauss and Legendre's of as many points
     """
-    basis, slopes = line_rule(distances(displacements, forces, give), first, rule)
+    along = np.concatenate([displacements, give * forces], axis=1)
+    places = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(along, axis=0), axis=1)))
+    basis, slopes = line_rule(places, first, rule)
     return np.vdot(weights[:, None] * (forces.T @ basis), displacements.T @ slopes)
 
 
