@@ -14,6 +14,8 @@ FAR = 8.0
 """Slip, in ranges, beyond which the law's traction is its residual one to rounding."""
 LEVEL = 1e-7
 """Slope of the friction over its peak up to which it no longer depends on the slip."""
+ONWARD = 0.1
+"""Further slip, ranges, at which it does not either: at its peak friction has no slope."""
 
 
 class Ends:
@@ -117,9 +119,9 @@ class Ends:
         touching = (states.normal_gap(self.contact, point.state)
                     < self.contact.scene.contact_threshold)
         least = self.contact.grid.minimum(slip_of(point.state.displacement), where=touching)
-        law, place = self.contact.law, np.array([[0.0], [least]])
-        return least > law.slip_peak and abs(law.tangent(place)[1, 1, 0]) < (LEVEL
-                                                                             * law.tangential_peak)
+        law, places = self.contact.law, np.array([[0.0, 0.0], [least, least + ONWARD]])
+        slopes = np.abs(law.tangent(places)[1, 1])
+        return least > law.slip_peak and slopes.max() < LEVEL * law.tangential_peak
 
     def _held(self, state):
         """A gliding state taken back to where friction has its peak: it comes from more slip."""

@@ -281,3 +281,16 @@ def test_a_jump_that_ends_in_a_glide_is_no_fold_again():
     assert ends(glide, leg, 0.0).fold_kind == "sliding"
     assert ends(glide.changed(event="jump"), leg, 0.0) is not None
     assert ends(glide.changed(event="jump", leg=3), leg, 0.0) is None
+
+
+def test_a_body_at_the_peak_of_its_friction_does_not_glide():
+    """Friction has no slope there, but softens further on: a jump that began in the peak itself
+    would end where it began."""
+    scene = Scene(geometry="flat", points=16, period=8.0, height=float("inf"), normal_maugis=1.0,
+                  tangential_maugis=1.0, law="mcgarry")
+    branch, points = followed("normal_displacement=0.5; tangential_displacement=0.1", scene)
+    window, moved = points[-1].state.window, points[-1].state.displacement.copy()
+    moved[1] = np.nextafter(branch.contact.law.slip_peak, 1.0)
+    peak = points[-1].changed(state=states.State(window, moved, moved.mean(axis=1)),
+                              controls=(DISPLACED, FORCED))
+    assert branch.corrector.within_range(peak) is None
