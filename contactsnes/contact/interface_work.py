@@ -5,12 +5,16 @@ from functools import cache
 
 import numpy as np
 
+from ..kernels import points
+from ..kernels.laws import kernel_of
 from .state import everywhere
 from .states import with_components
-from .work_along import MOST, apart, gauss, line_rule
+from .work_along import apart, gauss, line_rule
 
-PART = 2 ** 12
-"""Nodes whose work is found at a time, some four states and eight places each."""
+PART = 2 ** 11
+"""Nodes whose work is found at a time, some four states and six places each."""
+CHORD = 2
+"""Places of a rule on a chord."""
 ASTRAY = 0.25
 """Part of what chords leave of works at nodes, whatever their signs, that polynomials may differ by
 from these: more do those that swing, far into overlap perhaps, where steps of many lengths meet."""
@@ -33,54 +37,75 @@ def between(contact, states, displacements, forces, give, first):
     kept, first = apart(displacements, forces, give, first)
     components = max(state.components for state in states)
     states = [with_components(states[number], components) for number in kept]
-    rule, sums = None, 0.0
+    kernel, rule, sums = kernel_of(contact.law), None, 0.0
     for grid, nodes, known, mask in everywhere(contact, states):
+        weights = grid.weights if nodes.even else None
         if rule is None:
-            rule = np.concatenate([line_rule(_places(grid, known), first, gauss(len(kept))),
-                                   _chords(len(kept), first)], axis=2)
-        sums = sums + _over(contact, grid, nodes, known, mask, rule)
+            moved = np.sqrt(contact.grid.together(
+                (_squares if kernel is None else points.squares_along)(known, weights)))
+            rule = _rule(moved, first)
+        if mask is not None:
+            weights = mask.astype(float) if weights is None else mask * weights
+        given = known, contact.gap_on(nodes), weights, contact.law.range, rule
+        sums = sums + contact.grid.together(_by_numpy(contact.law, *given) if kernel is None
+                                            else points.works_along(kernel, *given))
     work, straight, doubt = contact.grid.node_area * sums
     return np.where(np.abs(work - straight) <= ASTRAY * doubt, work, straight)
 
 
-def _places(grid, known):
-    """Distances of points along a path, by all that their nodes (components, nodes) have moved: a
-    fold is approached by these, where loads hardly move."""
+def _squares(known, weights):
+    """Squares of the ways from each of some states to the next, as of
+    `kernels.points.squares_along`.
+
+    Parameters
+    ----------
+    known, weights : as of that
+    """
     steps = [later - earlier for earlier, later in zip(known, known[1:])]
-    moved = np.sqrt(grid.sum(np.array([np.einsum("ij,ij->j", step, step) for step in steps])))
-    return np.append(0.0, moved.cumsum()) if moved.all() else np.arange(float(len(known)))
+    return np.array([np.sum(step * step if weights is None else step * step * weights)
+                     for step in steps])
+
+
+def _rule(moved, first):
+    """Values of polynomials and of chords through points from number ``first`` on, and their slopes
+    by shares, as of `line_rule`, by how far all nodes have moved from point to point: a fold is
+    approached by these, where loads hardly move."""
+    count = len(moved) + 1
+    places = np.append(0.0, moved.cumsum()) if moved.all() else np.arange(float(count))
+    return np.concatenate([line_rule(places, first, gauss(count)), _chords(count, first)], axis=2)
 
 
 @cache
 def _chords(count, first):
     """As of `line_rule`, of the chords between points from number ``first`` of so many on."""
-    rule = np.zeros((2, count, count - 1 - first, MOST))
+    rule = np.zeros((2, count, count - 1 - first, CHORD))
     for number in range(count - 1 - first):
-        rule[:, first + number:, number][:, :2] = line_rule([0.0, 1.0], 0, gauss(MOST))
+        rule[:, first + number:, number][:, :2] = line_rule([0.0, 1.0], 0, gauss(CHORD))
     return rule.reshape(2, count, -1)
 
 
-def _over(contact, grid, nodes, known, mask, rule):
-    """Sums over the nodes of a window of their works, along polynomials and along chords, and of
-    the latter's sizes, for each component, phi_i over the area of a node: array (3, components).
+def _by_numpy(law, known, initial_gap, weights, reach, rule):
+    """Works on nodes summed up: along polynomials, along chords, and the latter's sizes, for each
+    component, phi_i over the area of a node, array (3, components); of nodes where the law acts at
+    some state.
 
     Parameters
     ----------
-    contact : Contact
-    grid, nodes, known, mask : as of `state.everywhere`
-    rule : (values, slopes by shares), as of `line_rule`, first of the polynomials, then of chords
+    law : Law
+    known : displacements (components, nodes) of up to four states
+    initial_gap, weights : arrays (nodes,), for how many nodes each stands (None: one)
+    reach : normal gap below which the law acts
+    rule : as of `_rule`
     """
-    works, initial_gap = np.empty((3, *known[0].shape)), contact.gap_on(nodes)
-    for first in range(0, works.shape[2], PART):
-        part = slice(first, first + PART)
+    acts = np.minimum.reduce([displacement[0] for displacement in known]) + initial_gap < reach
+    acts, works = np.flatnonzero(acts), np.zeros((3, len(known[0])))
+    for start in range(0, len(acts), PART):
+        part = acts[start:start + PART]
         some = np.stack([displacement[:, part] for displacement in known], axis=1)
         gaps, ways = (values.T @ some for values in rule)
         gaps[0] += initial_gap[part]
-        done = contact.law.traction(gaps.reshape(len(gaps), -1)).reshape(gaps.shape)
-        done *= ways
-        works[0, :, part] = done[:, :len(known)].sum(axis=1)
-        works[1, :, part] = done[:, len(known):].sum(axis=1)
-    np.abs(works[1], out=works[2])
-    if mask is not None:
-        works[..., ~mask] = 0.0
-    return grid.sum(works)
+        done = law.traction(gaps.reshape(len(gaps), -1)).reshape(gaps.shape) * ways
+        done = np.array([done[:, :len(known)].sum(axis=1), done[:, len(known):].sum(axis=1)])
+        works += np.concatenate([done, np.abs(done[1:])]) @ (
+            np.ones(len(part)) if weights is None else weights[part])
+    return works

@@ -13,8 +13,8 @@ from . import structures
 HERE = Path(__file__).parent
 SOURCES = ("kernels.h", "both.h", "precision.h", "columns.h", "pairs.h", "folded.h", "patches.h",
            "transforms.c", "packed.c", "folded.c", "slabs.c", "forms.c", "motion.c", "core_zone.c",
-           "patches.c", "steps.c", "krylov.c", "modes.c", "points.c", "petsc.c", "laws.c",
-           "library.c")
+           "patches.c", "steps.c", "krylov.c", "modes.c", "points.c", "paths.c", "petsc.c",
+           "laws.c", "library.c")
 """What the library is made of, in the order of its checksum."""
 
 
@@ -179,6 +179,9 @@ CALLS = {"forward": [_pointer, _long], "backward": [_pointer, _long],
          "alternation": [_long, _long, _long, _pointer, ctypes.c_int, ctypes.c_int, _long],
          "alternation_of_halves": [_long, _long, _pointer, _pointer, ctypes.c_int, _double],
          "path_work": [_long, _long, _long, *[_pointer] * 6],
+         "works_along": [_pointer, *[_long] * 3, *[_pointer] * 6, _double, _long, _long,
+                         *[_pointer] * 3],
+         "squares_along": [*[_long] * 3, *[_pointer] * 6],
          "releases": [_pointer, _long, _long, *[_pointer] * 6, _long, *[_pointer] * 3, _double,
                       _pointer]}
 """What Python calls, and with what; a result that is none of `RETURNED` is a status."""

@@ -172,3 +172,44 @@ def path_work(displacements, forces, give, weights, first, limits, rules):
     given = _flat(displacements, forces, give, weights)
     return shared().path_work(len(displacements), first, len(give), *map(address, given),
                               address(limits), address(rules))
+
+
+def works_along(kernel, known, initial_gap, weights, reach, rule):
+    """Works on nodes along a path, as of `contact.interface_work`, array (3, components).
+
+    Parameters
+    ----------
+    kernel : LawKernel
+    known : up to four arrays (components, nodes)
+    initial_gap, weights : arrays (nodes,), the second None where all are one
+    reach : normal gap below which the law acts
+    rule : array (2, states, places), as of that
+    """
+    known, (initial_gap, weights, values, slopes) = _states(known), _flat(initial_gap, weights,
+                                                                          *rule)
+    numbers = np.empty((3, len(known[0])))
+    shared().works_along(kernel.reference, *known[0].shape, len(values), *map(address, known),
+                         address(initial_gap), address(weights), reach, *values.shape,
+                         address(values), address(slopes), address(numbers))
+    return numbers
+
+
+def squares_along(known, weights):
+    """Squares of the ways from each of some states to the next, summed over components and nodes,
+    array (states - 1,).
+
+    Parameters
+    ----------
+    known : up to four arrays (components, nodes)
+    weights : array (nodes,), None where all are one
+    """
+    numbers, count = np.empty(len(known) - 1), len(known)
+    known, (weights,) = _states(known), _flat(weights)
+    shared().squares_along(*known[0].shape, count, *map(address, known), address(weights),
+                           address(numbers))
+    return numbers
+
+
+def _states(known):
+    """Four contiguous arrays, those that are missing None."""
+    return _flat(*known, *[None] * (4 - len(known)))

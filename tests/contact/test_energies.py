@@ -7,14 +7,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from contactsnes import Branch, Form, Load, NoEquilibrium, Scene, Steps
+from contactsnes import Branch, Contact, Form, Load, NoEquilibrium, Scene, Steps
 from contactsnes.commands.progress import Progress
 from contactsnes.contact import states
 from contactsnes.contact.energies import PathEnergies, stored, straight
+from contactsnes.contact.interface_work import between
 from contactsnes.contact.observables import observe
+from contactsnes.contact.state import State
 from contactsnes.contact.work_along import apart, gauss, held, line_rule, line_work, path_work
 from contactsnes.interface.laws.mcgarry import McGarry
 from contactsnes.interface.laws.modified import Modified
+from contactsnes.kernels.choice import chosen
 
 LINE = {"points": 512, "period": 40.0, "normal_maugis": 2.0, "residual_friction": 0.5}
 SCENES = {"line": ({}, "normal_displacement=1.5", "tangential_displacement=20"),
@@ -257,6 +260,23 @@ def test_a_jump_that_is_stepped_over_is_missing_in_the_balance():
     over = PathEnergies(branch.contact, before).completed(replace(found[at], event=None))
     assert over.dissipated_work == 0.0 and abs(found[at].energy_imbalance) < 0.01 * lost
     assert over.energy_imbalance == pytest.approx(lost, rel=0.2)
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_works_on_the_interface_do_not_swing_into_overlap(compiled):
+    # a cubic through three points near each other and one far off leaves the way by thousands of
+    # ranges; along the chords the work is that of the law's potential
+    kernels = chosen(compiled)
+    contact = Contact(Scene(**LINE | {"tangential": "off", "height": 2.0}), kernels=kernels)
+    gap, count = np.zeros(4), contact.grid.size
+    gap[:] = -2.0 + np.array([0.0, 1e-3, -1e-3, 1.9])
+    known = [State(contact.grid.whole, value - contact.gap_on(contact.grid.whole)[None],
+                   np.zeros(1)) for value in gap]
+    loads = np.array([[0.0], [1.0], [2.0], [3.0]])
+    done = between(contact, known, loads, 0.0 * loads, np.ones(1), 2)
+    potential = contact.law.potential(gap[None], 1.0)
+    assert done[0] == pytest.approx(contact.grid.node_area * count * (potential[3] - potential[2]),
+                                    rel=0.02)
 
 
 @pytest.mark.parametrize("name", SCENES)

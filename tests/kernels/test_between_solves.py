@@ -12,6 +12,7 @@ from contactsnes.contact import (
     edges,
     energies,
     fronts,
+    interface_work,
     state,
     states,
     survey,
@@ -28,6 +29,7 @@ from contactsnes.grid.even import EvenWindow
 from contactsnes.grid.parity import parities
 from contactsnes.grid.splines import spline
 from contactsnes.grid.windows import Window
+from contactsnes.interface.laws.modified import Modified
 from contactsnes.kernels import library, points, splines, structures
 from contactsnes.kernels.choice import chosen
 from contactsnes.kernels.laws import kernel_of
@@ -155,6 +157,23 @@ def test_ways_of_steps(components, nodes, weighted):
     expected = acceptance._by_numpy(foretold, ended, began, gap, weights, limits)
     np.testing.assert_allclose(told, expected, rtol=1e-12, atol=1e-12)
     assert nodes < 700 or np.all(expected[2:6] > 0.0) and (components == 1) == (expected[6] == 0.0)
+
+
+@compiled
+@pytest.mark.parametrize("count", [2, 3, 4])
+@pytest.mark.parametrize("components, weighted", [(1, True), (2, False), (3, True)])
+def test_works_along_states(components, weighted, count):
+    """Of more nodes than one block has, most of them out of the law's range."""
+    numbers, law = np.random.default_rng(count), chosen().law(Modified(0.3, 0.2))
+    known = numbers.uniform(-1.0, 1.0, (count, components, 700)).cumsum(axis=0)
+    gap, weights = numbers.uniform(-2.0, 150.0, 700), numbers.uniform(0.0, 2.0, 700).round()
+    weights = weights if weighted else None
+    moved = points.squares_along(list(known), weights)
+    np.testing.assert_allclose(moved, interface_work._squares(list(known), weights), rtol=1e-13)
+    for first in {0, count - 2}:
+        given = list(known), gap, weights, law.range, interface_work._rule(np.sqrt(moved), first)
+        np.testing.assert_allclose(points.works_along(kernel_of(law), *given),
+                                   interface_work._by_numpy(law, *given), rtol=1e-11, atol=1e-11)
 
 
 @compiled
