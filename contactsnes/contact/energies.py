@@ -229,8 +229,7 @@ class PathEnergies:
                              self.contact.kernels.compiled)
         interface = point.interfacial_energy - before.interfacial_energy
         if np.isnan(interface):
-            done = between(self.contact, [other.point.state for other in entries], *along,
-                           self._give, first)
+            done = between(self.contact, [other.point.state for other in entries], first)
             interface = float(done @ self._weights[:len(done)])
         return self._summed(point, before, external, interface, 0.0, smooth_steps=steps)
 

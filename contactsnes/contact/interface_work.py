@@ -9,7 +9,7 @@ from ..kernels import points
 from ..kernels.laws import kernel_of
 from .state import everywhere
 from .states import with_components
-from .work_along import apart, gauss, line_rule
+from .work_along import TWINS, gauss, line_rule
 
 PART = 2 ** 11
 """Nodes whose work is found at a time, some four states and six places each."""
@@ -20,33 +20,37 @@ ASTRAY = 0.25
 from these: more do those that swing, far into overlap perhaps, where steps of many lengths meet."""
 
 
-def between(contact, states, displacements, forces, give, first):
-    """Work done on the interface from point number ``first`` of a smooth part of a path to its last
+def between(contact, states, first):
+    """Work done on the interface from state number ``first`` of a smooth part of a path to its last
     one, for each component, phi_i.
 
     The sum over nodes of the integral of p_n dg_n and p_t dg_t, where each node moves along the
-    polynomial through its displacements at all points that are `apart`; or along the chords between
+    polynomial through its displacements in all states that are apart; or along the chords between
     them, where the polynomials go `ASTRAY`.
 
     Parameters
     ----------
     contact : Contact
-    states : those of the points, at most four
-    displacements, forces, give, first : as of `work_along.line_work`
+    states : at most four
+    first : int
     """
-    kept, first = apart(displacements, forces, give, first)
     components = max(state.components for state in states)
-    states = [with_components(states[number], components) for number in kept]
-    kernel, rule, sums = kernel_of(contact.law), None, 0.0
+    states = [with_components(state, components) for state in states]
+    kernel, kept, sums = kernel_of(contact.law), None, 0.0
     for grid, nodes, known, mask in everywhere(contact, states):
         weights = grid.weights if nodes.even else None
-        if rule is None:
-            moved = np.sqrt(contact.grid.together(
-                (_squares if kernel is None else points.squares_along)(known, weights)))
-            rule = _rule(moved, first)
+        if kept is None:
+            moved = contact.grid.together(
+                (_squares if kernel is None else points.squares_along)(known, weights))
+            places = np.append(0.0, np.sqrt(moved).cumsum()).tolist()
+            if places[-1] == places[first]:
+                return np.zeros(components)
+            kept = _kept(places, first)
+            rule = _rule([places[number] for number in kept], kept.index(first))
         if mask is not None:
             weights = mask.astype(float) if weights is None else mask * weights
-        given = known, contact.gap_on(nodes), weights, contact.law.range, rule
+        given = ([known[number] for number in kept], contact.gap_on(nodes), weights,
+                 contact.law.range, rule)
         sums = sums + contact.grid.together(_by_numpy(contact.law, *given) if kernel is None
                                             else points.works_along(kernel, *given))
     work, straight, doubt = contact.grid.node_area * sums
@@ -66,12 +70,29 @@ def _squares(known, weights):
                      for step in steps])
 
 
-def _rule(moved, first):
+def _kept(places, first):
+    """Numbers of the places that are more than `TWINS` of the way from number ``first`` to the last
+    one apart from each other; these two are."""
+    least, kept = TWINS * (places[-1] - places[first]), [len(places) - 1]
+    for number in reversed(range(len(places) - 1)):
+        if places[kept[-1]] - places[number] > least:
+            kept.append(number)
+        elif number == first:
+            kept[-1] = first
+    return kept[::-1]
+
+
+def _rule(places, first):
     """Values of polynomials and of chords through points from number ``first`` on, and their slopes
-    by shares, as of `line_rule`, by how far all nodes have moved from point to point: a fold is
-    approached by these, where loads hardly move."""
-    count = len(moved) + 1
-    places = np.append(0.0, moved.cumsum()) if moved.all() else np.arange(float(count))
+    by shares, as of `line_rule`.
+
+    Parameters
+    ----------
+    places : how far all nodes have moved from point to point: a fold is approached by these, where
+             loads hardly move
+    first : int
+    """
+    count = len(places)
     return np.concatenate([line_rule(places, first, gauss(count)), _chords(count, first)], axis=2)
 
 

@@ -272,11 +272,15 @@ def test_works_on_the_interface_do_not_swing_into_overlap(compiled):
     gap[:] = -2.0 + np.array([0.0, 1e-3, -1e-3, 1.9])
     known = [State(contact.grid.whole, value - contact.gap_on(contact.grid.whole)[None],
                    np.zeros(1)) for value in gap]
-    loads = np.array([[0.0], [1.0], [2.0], [3.0]])
-    done = between(contact, known, loads, 0.0 * loads, np.ones(1), 2)
+    done = between(contact, known, 2)
     potential = contact.law.potential(gap[None], 1.0)
     assert done[0] == pytest.approx(contact.grid.node_area * count * (potential[3] - potential[2]),
                                     rel=0.02)
+    # a state again, and one that is as good as another, tell nothing
+    assert between(contact, [known[0], known[3], known[3]], 1) == 0.0
+    twin = replace(known[3], displacement=known[3].displacement + 1e-12)
+    assert between(contact, [known[0], twin, known[3]], 0) == pytest.approx(
+        between(contact, [known[0], known[3]], 0), rel=1e-9)
 
 
 @pytest.mark.parametrize("name", SCENES)

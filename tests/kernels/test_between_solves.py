@@ -170,8 +170,9 @@ def test_works_along_states(components, weighted, count):
     weights = weights if weighted else None
     moved = points.squares_along(list(known), weights)
     np.testing.assert_allclose(moved, interface_work._squares(list(known), weights), rtol=1e-13)
+    places = np.append(0.0, np.sqrt(moved).cumsum())
     for first in {0, count - 2}:
-        given = list(known), gap, weights, law.range, interface_work._rule(np.sqrt(moved), first)
+        given = list(known), gap, weights, law.range, interface_work._rule(places, first)
         np.testing.assert_allclose(points.works_along(kernel_of(law), *given),
                                    interface_work._by_numpy(law, *given), rtol=1e-11, atol=1e-11)
 
