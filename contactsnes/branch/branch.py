@@ -28,7 +28,7 @@ from ..scene.resolution import PINNING, resolution
 from ..solvers.capabilities import asked, has_modes
 from ..solvers.registry import OPTIONS
 from . import failures, first_points, restarting
-from .contacts import contact_of
+from .contacts import contact_of, refuse_unlike
 from .grid_choice import chosen
 from .remarks import Remarks, unmarked
 from .too_large import refuse_too_large
@@ -76,7 +76,8 @@ class Branch:
         check_values(SOLVER_OPTIONS)
         scene = for_branch(scene, law, geometry, body)
         scene = chosen(scene, load)
-        self.scene, self.load = scene, load
+        self.scene, self.load, self._log = scene, load, log
+        refuse_unlike(scene, load, self.steps, form)
         scenes.check(scene, load, self.steps)
         refuse_too_large(scene, load, form)
         self.contact = contact_of(scene, load, form, log)
@@ -96,8 +97,7 @@ class Branch:
         self._resting = FORCE if scene.isolated else DISPLACEMENT
         self.legs = scene.legs(load)
         self._controls = controls_along(scene.initial(load), self.legs)
-        self.history = history
-        self.first, self._log = first, log
+        self.history, self.first = history, restarting.beside(first, self.contact)
         self._remarks, self._predictor = None, PREDICTORS[self.steps.predictor]
 
     @classmethod

@@ -1,6 +1,8 @@
 """The contact that a branch is of: in a cell or alone, computed by the kernels that its options
 ask for."""
 
+from dataclasses import fields
+
 from petsc4py import PETSc
 
 from ..contact.isolated import IsolatedContact, lay_out
@@ -9,8 +11,39 @@ from ..interface import shapes
 from ..interface.gap import refuse_contact_at_edge
 from ..kernels.choice import chosen
 from ..options.arguments import unfit
+from ..options.database import database
+from ..options.fields import InputError, as_text
 from ..scene.isolation import check_form, largest_force
-from ..system.processes import end_together
+from ..scene.parts import sources
+from ..scene.settings import attributes
+from ..system.processes import difference, end_together, launched
+
+if launched()[0] > 1:
+    end_together()  # what goes wrong in a script may do so before it has a branch
+
+
+def refuse_unlike(scene, *options):
+    """InputError where processes that share out a plane have other ones, or other options.
+
+    Parameters
+    ----------
+    scene : Scene
+    options : Load, Steps, Form
+    """
+    if PETSc.COMM_WORLD.size == 1 or scene.dimension == 1 or scene.isolated:
+        return
+    from mpi4py import MPI
+
+    mine = {f"-scene_{name}": value for name, value in (attributes(scene) | sources(scene)).items()}
+    mine |= {given.option_name(field.name): getattr(given, field.name)
+             for given in options for field in fields(given)}
+    mine = {name: as_text(value) for name, value in mine.items()}
+    mine |= {f"-{name}": value for name, value in database().items()}
+    if found := difference(MPI.COMM_WORLD.allgather(mine)):
+        rank, name, there, here = found
+        raise InputError(f"process {rank} of {PETSc.COMM_WORLD.size} differs from the first one: "
+                         f"{name} is {there} there and {here} in the first; processes share out a "
+                         "plane, of which all have to ask for the same")
 
 
 def shared_grid(scene):

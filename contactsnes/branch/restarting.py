@@ -4,10 +4,10 @@ from dataclasses import fields
 
 import numpy as np
 
-from ..contact.observables import point_of
+from ..contact.observables import point_of, refuse_elsewhere
 from ..contact.state import State
 from ..grid.windows import Window
-from ..options.arguments import several, whole
+from ..options.arguments import of_class, several, whole
 from ..options.fields import InputError, as_text
 from ..output import resuming
 from ..output.reading import Record, read
@@ -41,6 +41,14 @@ def earlier(points, contact):
     meant = "points of a branch along this path, oldest first"
     return [point_of(contact, point, "a point of history", meant)
             for point in several("history", points, meant)]
+
+
+def beside(state, contact):
+    """A state of a contact near which a first point is to be, or None; InputError for others."""
+    if state is not None:
+        meant = "the state of a point, point.state"
+        refuse_elsewhere(contact, of_class("first", state, State, meant), "first")
+    return state
 
 
 def scene_of(record):
@@ -101,7 +109,7 @@ def state_at(branch, record, point):
         raise InputError(f"{record.path} has the last points of an isolated contact to go on from: "
                          "fields of the cell do not hold the displacement of the body as a whole; "
                          "-archive_fields_on active keeps it")
-    field = record.field("displacement", point)
+    field = contact.grid.part_of(record.field("displacement", point))
     sizes = [scene.scale(unit)[0] for unit in ("u_n,r", *["u_t,r"] * (len(field) - 1))]
     factors = contact.ranges[:len(field)] / sizes
     scaled = field.reshape(len(field), -1) * factors[:, None]

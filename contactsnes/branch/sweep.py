@@ -24,6 +24,7 @@ from ..scene.measured import RIVALS
 from ..scene.scene import Scene
 from ..scene.settings import of_run
 from ..scene.steps import Form, Output, Steps
+from ..system.processes import launched, unlaunched
 
 OURS = tuple(cls.prefix for cls in (Scene, Load, Steps, Form, Output))
 
@@ -130,8 +131,19 @@ def sweep(scene, load, *, folder="sweep", jobs=1, steps=None, form=None, fields=
     return found
 
 
+def _refuse_launched():
+    """InputError in a program that a launcher has started several times: each would run all."""
+    size, _ = launched()
+    if size > 1:
+        raise InputError(f"started as {size} processes, but sweep starts those of its runs itself: "
+                         "start the program without mpirun or srun, or with -n 1; "
+                         f"sweep(..., jobs={size}) runs {size} at a time")
+
+
 def _joblib(jobs):
-    """The library that runs several jobs, None for one; InputError for another number."""
+    """The library that runs several jobs, None for one; InputError for another number, or where
+    there are several processes already."""
+    _refuse_launched()
     if not isinstance(jobs, int) or isinstance(jobs, bool) or jobs < 1:
         raise InputError(f"jobs is '{jobs}': allowed is a whole number at least 1")
     return extra("joblib", "sweep", f"sweep with jobs={jobs}") if jobs > 1 else None
@@ -163,7 +175,7 @@ def _run(values, words, path, jobs):
     one = {"OMP_NUM_THREADS": "1"} if jobs > 1 else {}
     done = subprocess.run([sys.executable, "-m", "contactsnes", "run", *arguments, "-archive_file",
                            str(path), "-archive_resume"], capture_output=True, text=True,
-                          check=False, env={**os.environ, **one, "PYTHONPATH": os.pathsep.join(
+                          check=False, env={**unlaunched(), **one, "PYTHONPATH": os.pathsep.join(
                               filter(None, sys.path))})
     said = [line for line in done.stderr.splitlines() if "error: " in line]
     return values, path, "" if done.returncode == 0 else (

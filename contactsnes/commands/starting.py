@@ -10,7 +10,7 @@ from ..options.fields import InputError
 from ..options.files import entries
 from ..options.words import asks_for_help
 from ..system.devices import checksum
-from ..system.processes import launched, missing, world
+from ..system.processes import difference, launched, missing, world
 from .speech import complain
 
 SHARED = ("run", "info")
@@ -144,14 +144,11 @@ def refuse_differences():
     mine = {"contactsnes": __version__, **{f"-{name}": value for name, value in given.items()},
             **{f"the file of -{name}": checksum(path)
                for name, path in _files_of_scene(given).items()}}
-    first, *others = world.everywhere(mine)
-    for rank, other in enumerate(others, start=2):
-        for name in {**first, **other}:
-            if first.get(name) != other.get(name):
-                raise InputError(f"process {rank} of {world.size} differs from the first one: "
-                                 f"{name} is {other.get(name, 'not given')} there and "
-                                 f"{first.get(name, 'not given')} in the first; give all "
-                                 "the same options and files")
+    if found := difference(world.everywhere(mine)):
+        rank, name, there, here = found
+        raise InputError(f"process {rank} of {world.size} differs from the first one: {name} is "
+                         f"{there} there and {here} in the first; give all the same options and "
+                         "files")
 
 
 def _files_of_scene(given):

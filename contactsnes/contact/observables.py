@@ -1,6 +1,7 @@
 """Numbers of a point: forces, contact area, peak gaps and tractions; a table name -> function,
 label, unit."""
 
+import math
 from functools import lru_cache
 from types import MappingProxyType
 from typing import Callable, NamedTuple
@@ -157,11 +158,12 @@ def _told(name, label, unit="", kind="i8", names=()):
 
 
 def _costs(scene):
-    """Rows of what was spent since the last point."""
+    """Rows of what was spent since the last point; of one that was restored nobody knows."""
     transforms = f"real FFTs of the {'window' if scene.isolated else 'cell'}"
     units = {"nonlinear_iterations": "", "linear_iterations": "", "function_evaluations": "",
              "transforms": transforms, "transforms_single": transforms, "wall_time": "s"}
-    return {name: Observable(lambda m, name=name: m.point.spent[name], name.replace("_", " "),
+    return {name: Observable(lambda m, name=name, unknown=math.nan if unit else -1:
+                             m.point.spent.get(name, unknown), name.replace("_", " "),
                              unit, "f8" if unit else "i8") for name, unit in units.items()}
 
 
@@ -208,11 +210,27 @@ def point_of(contact, point, name="point", meant="a point of a branch"):
     point : Point
     name, meant : str, as of `of_class`
     """
-    there, here = of_class(name, point, Point, meant).state.window.grid, contact.grid
+    refuse_elsewhere(contact, of_class(name, point, Point, meant).state, name)
+    return point
+
+
+def refuse_elsewhere(contact, state, name):
+    """InputError for a state whose nodes are not those of a contact, or not shared out as they are.
+
+    Parameters
+    ----------
+    contact : Contact
+    state : State
+    name : str, of the argument
+    """
+    there, here = state.window.grid, contact.grid
     if (there.shape, there.periods) != (here.shape, here.periods):
         raise InputError(f"{name} is of another grid ({_in_words(there)}) than the contact's "
                          f"({_in_words(here)}): take the branch that it is of")
-    return point
+    if there.shared != here.shared:
+        where = ("in one process as a whole", "in rows of several processes")
+        raise InputError(f"{name} lies {where[there.shared]}, the contact {where[here.shared]}: "
+                         "take the branch that it is of, or its contact")
 
 
 def _in_words(grid):

@@ -44,6 +44,14 @@ class State:
         for name in {"once", "displacement", "means"} & vars(self).keys():
             vars(self)[name].flags.writeable = False
 
+    def __reduce_ex__(self, protocol):
+        """What ``pickle`` and ``copy`` make it of; TypeError where others have the other rows."""
+        if self.window.grid.shared:
+            raise TypeError("a point in several processes is neither pickled nor copied: "
+                            "contactsnes run keeps it in an archive, from which any number of "
+                            "processes goes on")
+        return super().__reduce_ex__(protocol)
+
     def unfolded(self, field):
         """A field (components, nodes), known once at each of these, at all nodes of the window."""
         return field if self.half is None else self.half.unfold(field)

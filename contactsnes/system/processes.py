@@ -23,6 +23,9 @@ LAUNCHED = (("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"), ("PMI_SIZE", "PMI_
 """Variables in which launchers (mpirun, mpiexec, srun, aprun) tell each process how many there are,
 and which it is."""
 
+TOLD = ("OMPI_", "PMI", "SLURM_", "MV2_COMM_", "PALS_", "ALPS_")
+"""How names of all their variables begin."""
+
 NEEDED = ("mpi4py",)
 """Packages without which no scene can be shared out."""
 
@@ -44,6 +47,26 @@ def launched():
         if size > 1:
             return size, rank
     return 1, 0
+
+
+def unlaunched():
+    """The environment without what a launcher has told this process: for a program that this one
+    starts, which would take itself for one of those that were launched."""
+    return {name: value for name, value in os.environ.items() if not name.startswith(TOLD)}
+
+
+def difference(processes):
+    """What the first of processes that is not as the first one has otherwise: (its number from 1,
+    name, there, in the first); None where all are alike.
+
+    Parameters
+    ----------
+    processes : of each, a mapping from names to values
+    """
+    first, *others = processes
+    return next(((rank, name, other.get(name, "not given"), first.get(name, "not given"))
+                 for rank, other in enumerate(others, start=2) for name in {**first, **other}
+                 if first.get(name) != other.get(name)), None)
 
 
 def _count(name):
@@ -236,15 +259,21 @@ def _end_all(processes, status):
 def end_together():
     """From now on an exception that ends the program of one process ends those of all: the
     others would wait for it for ever. (What ends a command is told by its `World`.)"""
-    from mpi4py import MPI
-
     before = sys.excepthook
 
     def ended(kind, error, traceback):
         before(kind, error, traceback)
         for stream in (sys.stdout, sys.stderr):
             stream.flush()
-        _end_all(MPI.COMM_WORLD, 1)
+        if missing():
+            return
+        import mpi4py
+
+        mpi4py.rc.initialize = False  # nobody waits where MPI has not begun
+        from mpi4py import MPI
+
+        if MPI.Is_initialized() and MPI.COMM_WORLD.size > 1:
+            _end_all(MPI.COMM_WORLD, 1)
 
     sys.excepthook = ended
 

@@ -138,6 +138,16 @@ def test_a_sweep_refuses_before_it_runs(tmp_path, given, word):
     assert not (tmp_path / "none").exists()
 
 
+def test_a_sweep_of_several_processes_is_refused(monkeypatch, tmp_path):
+    """Each would run all of it, in the same files."""
+    monkeypatch.setenv("OMPI_COMM_WORLD_SIZE", "2")
+    with pytest.raises(InputError, match="started as 2 processes, but sweep starts those of its "
+                                         "runs itself"):
+        sweep(Scene(**SMALL), Load(path="normal_displacement=1"), normal_maugis=[1.0],
+              folder=tmp_path / "study")
+    assert not (tmp_path / "study").exists()
+
+
 def test_names_of_archives_are_those_of_files():
     assert _stem({"points": np.int64(64), "geometry_file": "a/b c.npy"}) == (
         "points=64-geometry_file=a_b_c.npy")

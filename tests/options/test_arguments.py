@@ -70,6 +70,7 @@ def test_what_is_no_history(value):
 def test_what_is_no_point_of_a_branch(branch):
     told(lambda: Branch(SCENE, LOAD, history=[1]), "a point of history is 1: give points of a ")
     told(lambda: branch.observe(3), "point is 3: give a point of a branch")
+    told(lambda: Branch(SCENE, LOAD, first=3), "first is 3: give the state of a point")
     told(lambda: observe(branch.contact, None), "point is None: give a point of a branch")
 
 
@@ -80,6 +81,7 @@ def test_a_point_of_another_grid(other, words, branch):
     said = f"is of another grid (64 points, period 20 beta) than the contact's ({words}): "
     told(lambda: Branch(scene, LOAD).observe(point), f"point {said}")
     told(lambda: Branch(scene, LOAD, history=[point]), f"a point of history {said}")
+    told(lambda: Branch(scene, LOAD, first=point.state), f"first {said}")
 
 
 def test_one_thing_in_the_place_of_another(branch):

@@ -145,6 +145,16 @@ def test_points_of_another_version_are_refused(before):
         branch.restored(packed)
 
 
+def test_a_restored_point_tells_what_it_told_but_costs(before):
+    branch = Branch(LINE, Load(path="normal_displacement=1"))
+    told, again = (branch.observe(point)
+                   for point in (before[-1], branch.restored(branch.packed(before[-1]))))
+    costs = before[-1].spent.keys() & told.keys()
+    assert costs and not [name for name in costs if again[name] >= 0 or told[name] < 0]
+    for name in told.keys() - costs:
+        np.testing.assert_equal(again[name], told[name], name)
+
+
 # What texts say
 
 
