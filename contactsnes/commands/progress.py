@@ -9,9 +9,9 @@ from ..scene.load import names, quantities
 from ..scene.settings import tangential_legs
 from ..scene.units import prefix, prefixed
 
-INEXACT = 0.01
-"""Part of the largest work of the loads by which the balance of energies may miss without a
-word."""
+INEXACT = 0.002
+"""Part of the largest work of the loads by which the balance of energies may miss without a word:
+what is left of it at the end of a loop, as much as its jumps have lost, may be far less."""
 
 ROUNDING = 1e-11
 """Part of the scale of a quantity, or of the largest value of its kind, below which it is shown as

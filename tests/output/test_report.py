@@ -284,7 +284,7 @@ class Kept(dict):
 
 
 @pytest.mark.parametrize("last, told, fine", [
-    (0.5, "0.5 of 7 J", False), (2e-6, "2e−06 of 7 J", True),
+    (0.02, "0.02 of 7 J", False), (2e-6, "2e−06 of 7 J", True),
     (np.nan, "1e−06 of 2 J, of the 2 points before a jump whose loss is not known", True)])
 def test_a_balance_certifies_the_points_that_it_tests(last, told, fine):
     record = Kept(external_work=np.array([0.0, -2.0, 7.0]),

@@ -6,8 +6,9 @@ import numpy as np
 
 from .words import loads, number, symbol
 
-MISSING = 0.01
-"""Part of the largest work that the balance of energies may miss without a mark."""
+MISSING = 0.002
+"""Part of the largest work that the balance of energies may miss without a mark, as where a run
+ends."""
 
 
 def rows(record):
