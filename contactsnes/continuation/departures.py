@@ -14,6 +14,9 @@ APART = 0.5
 """Part of the kick by which a motion has to end away from its fold not to have led back to it."""
 FORWARD = 0.05
 """The same in the direction of the kick, for an edge that a coarse grid pins moves on by a node."""
+STILL = 0.01
+"""Part of the kick within which a motion that ends where it began has not moved: what drives it is
+below what solves leave of their balances, and a body on its way out looks at rest anywhere."""
 MISHAPS = 5
 """Motions beside a fold that may end in no equilibrium before the jump is given up."""
 
@@ -67,6 +70,9 @@ def jumped(system, leg, fold, starts, where, check_end):
             system.log(f"{error}; trying again from elsewhere")
             continue
         if _elsewhere(system, fold.state, state, point.state):
+            if (system.missed(state, point.state)
+                    <= STILL * system.missed(fold.state, state)):
+                check_end()
             return point
         system.log(f"the motion {where} led back to it; trying again from farther away")
     if not failures:

@@ -562,3 +562,18 @@ def test_steps_of_a_motion_are_taken_as_its_options_say(given, stiffness, option
     motion = flow(contact, (D,), (1.0,), lifted(contact, (D,), (1.0,), 0.0))
     motion.follow()
     assert set(used) == ({stiffness} if stiffness else set())
+
+
+def test_what_holds_less_than_solves_can_tell_holds_no_body():
+    """Slip has left nothing of the adhesion but what is below tolerances: a motion beside the fold
+    does not move, but ends nowhere. Paths jumped from fold to fold there."""
+    scene = Scene(geometry="flat", dimension=2, points=16, period=9.66, height=float("inf"),
+                  normal_maugis=0.686, tangential_maugis=0.735, residual_friction=0.0)
+    load = Load(start="normal_displacement=-1.3",
+                path="normal_force=9; tangential_displacement_y=6; normal_force=-4.2")
+    points = []
+    with pytest.raises(NoEquilibrium, match="beyond the fold"):
+        for point in Branch(scene, load, Steps(locate_folds=True)):
+            points.append(point)
+            assert point.event != "jump"
+    assert points[-1].event == "fold"
