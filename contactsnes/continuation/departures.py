@@ -69,19 +69,21 @@ def jumped(system, leg, fold, starts, where, check_end):
                 break
             system.log(f"{error}; trying again from elsewhere")
             continue
-        if _elsewhere(system, fold.state, state, point.state):
-            if (system.missed(state, point.state)
-                    <= STILL * system.missed(fold.state, state)):
-                check_end()
+        if _elsewhere(system, fold.state, state, point.state, check_end):
             return point
         system.log(f"the motion {where} led back to it; trying again from farther away")
     if not failures:
         check_end()
-    reason = failures[0] if failures else "the motion led back"
-    raise NotConverged(f"no other equilibrium was reached {where}: {reason}")
+        failures.append("the motion led back")
+    raise NotConverged(f"no other equilibrium was reached {where}: {failures[0]}")
 
 
-def _elsewhere(system, fold, start, found):
-    """Whether a motion from a start beside a fold led on."""
-    return (system.missed(fold, found) > APART * system.missed(fold, start)
-            or system.progress(fold, start, found) > FORWARD)
+def _elsewhere(system, fold, start, found, check_end):
+    """Whether a motion from a start beside a fold led on; one that ended where it began only where
+    ``check_end`` raises nothing."""
+    kick = system.missed(fold, start)
+    led = (system.missed(fold, found) > APART * kick
+           or system.progress(fold, start, found) > FORWARD)
+    if led and system.missed(start, found) <= STILL * kick:
+        check_end()
+    return led
