@@ -183,7 +183,7 @@ class Branch:
     def observe(self, point, names=None):
         """Name -> value of everything that a point can tell (``observables.table``), or of some
         names only; its ``stiffness``, which takes a linear solve, by its name only."""
-        names = list(observables.table(self.scene) if names is None else names)
+        names = observables.named(names, observables.table(self.scene), STIFFNESS)
         others = [name for name in names if name != STIFFNESS]
         found = observables.observe(self.contact, point, others)
         return {name: found[name] if name in found else self.stiffness(point) for name in names}
@@ -191,11 +191,11 @@ class Branch:
     def stiffness(self, point):
         """dW/dD at a point (`Tracer.stiffness`), in the units of the scene."""
         size, _ = self.scene.scale(observables.STIFFNESS_UNITS[self.scene.dimension])
-        return size * self.corrector.stiffness(point)
+        return size * self.corrector.stiffness(observables.point_of(self.contact, point))
 
     def packed(self, point):
         """Arrays, numbers and strings from which ``restored`` makes the point again."""
-        state = point.state
+        state = observables.point_of(self.contact, point).state
         return {**{name: getattr(point, name) for name in KEPT},
                 "event": point.event or "none",
                 "displacement": self.contact.grid.parted(state.displacement),

@@ -4,6 +4,7 @@ from dataclasses import fields
 
 import numpy as np
 
+from ..contact.balance import Balance
 from ..contact.observables import point_of, refuse_elsewhere
 from ..contact.state import State
 from ..grid.windows import Window
@@ -14,6 +15,9 @@ from ..output.reading import Record, read
 from ..scene.load import Load, controls_along, names
 from ..scene.scene import Scene
 from ..scene.units import DERIVED
+
+ASTRAY = 1e-3
+"""residual_norm, beyond that of its own run, from which on a point is one of another scene."""
 
 
 def beginning(archive, point, path, stop):
@@ -37,10 +41,19 @@ def beginning(archive, point, path, stop):
 
 
 def earlier(points, contact):
-    """Points of an earlier run of a contact, a list; InputError for what are none."""
+    """Points of an earlier run of a contact, a list; InputError for what are none, and where the
+    last one does not balance."""
     meant = "points of a branch along this path, oldest first"
-    return [point_of(contact, point, "a point of history", meant)
-            for point in several("history", points, meant)]
+    found = [point_of(contact, point, "a point of history", meant)
+             for point in several("history", points, meant)]
+    if found:
+        last = found[-1]
+        left = Balance(contact)(last.state, last.controls, last.load, None).norm
+        if not left <= ASTRAY + last.residual_norm:
+            raise InputError(f"the last point of history leaves {left:.1e} ranges of the law of "
+                             "this scene's balance: give points of a branch of the same scene, or "
+                             "begin near it, Branch(..., first=point.state)")
+    return found
 
 
 def beside(state, contact):

@@ -201,8 +201,9 @@ class Balance:
             state = State(state.window, state.unfolded(state.once), state.means)
         norm, largest, acts = asked(form, state, self.contact.law.range,
                                      ended if form is solver else None)
-        closest = (form.closest_beyond(state.means[0])
-                   if isinstance(state.window, Nodes) and state.window.hull.is_whole else None)
+        closest = (form.closest_beyond(state.means[0])  # where whole transforms have the response
+                   if isinstance(state.window, Nodes) and state.window.hull.is_whole
+                   and not isinstance(form, FullForm) else None)
         if isinstance(solver, EvenForm) and acts:
             self._proved = state.window, len(controls)
         return Imbalance(norm, largest, closest)

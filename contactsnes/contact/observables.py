@@ -7,8 +7,9 @@ from types import MappingProxyType
 from typing import Callable, NamedTuple
 
 from ..continuation.points import Point
-from ..options.arguments import of_class
+from ..options.arguments import of_class, several
 from ..options.fields import InputError, as_text
+from ..options.fields import meant as like
 from ..scene.scene import Scene
 from . import contact_shape, rough_contact
 from .energies import BALANCES, energy_unit
@@ -198,7 +199,26 @@ def observe(contact, point, names=None):
              "contact of a branch")
     measurement = Measurement(contact, point_of(contact, point))
     rows = table(contact.scene)
-    return {name: rows[name].function(measurement) for name in (rows if names is None else names)}
+    return {name: rows[name].function(measurement) for name in named(names, rows)}
+
+
+def named(names, known, *more):
+    """Names of numbers of a point, a list: those that are asked for, or all that are known (None);
+    InputError for what is none.
+
+    Parameters
+    ----------
+    names : iterable of str, or None
+    known, more : names of numbers, and of such as are told where they are asked for only
+    """
+    if names is None:
+        return list(known)
+    names = several("names", names, "a list of columns, as in ['normal_force']")
+    for name in names:
+        if name not in (allowed := [*known, *more]):
+            raise InputError(f"a point has no {name!r}" + like(
+                str(name), allowed, "; contactsnes.table(scene) lists what it has", cutoff=0.55))
+    return names
 
 
 def point_of(contact, point, name="point", meant="a point of a branch"):

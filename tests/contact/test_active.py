@@ -9,7 +9,7 @@ import pytest
 from contactsnes.branch.branch import Branch
 from contactsnes.commands.summary import start_window
 from contactsnes.contact import observables, states
-from contactsnes.contact.balance import Balance
+from contactsnes.contact.balance import Balance, left_by_rounding
 from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.problem import Contact
 from contactsnes.contact.scattered import boxed, on_nodes
@@ -204,6 +204,16 @@ def test_a_run_goes_on_from_what_is_kept(tmp_path, self_affine):
     rest = list(Branch(scene, branch.load, branch.steps, history=history))
     np.testing.assert_allclose([point.forces for point in rest],
                                [point.forces for point in points[3:]], rtol=1e-6)
+
+
+def test_what_rounding_leaves_is_known_on_some_nodes(tmp_path, self_affine):
+    """A path that failed on such a window ended in a traceback, in place of why it did."""
+    branch, points = followed(rough(tmp_path, self_affine), "normal_displacement=5")
+    last = points[-1]
+    assert isinstance(last.state.window, Nodes)
+    size = np.abs(last.state.displacement).max()
+    left = left_by_rounding(branch.contact, last.state, last.controls, last.load)
+    assert np.finfo(float).eps * 1e-2 * size < left < 1e-9
 
 
 def test_nodes_are_added_when_a_solution_asks_for_them(tmp_path, self_affine, tight):

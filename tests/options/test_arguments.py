@@ -74,12 +74,37 @@ def test_what_is_no_point_of_a_branch(branch):
     told(lambda: observe(branch.contact, None), "point is None: give a point of a branch")
 
 
+@pytest.mark.parametrize("names, sentence", (
+    ("normal_force", "names is 'normal_force': give a list of columns, as in ['normal_force']"),
+    (3, "names is 3: give a list of columns"),
+    (["force"], "a point has no 'force': did you mean normal_force?"),
+    (["error_slip"], "a point has no 'error_slip'; contactsnes.table(scene) lists what it has")))
+def test_numbers_that_a_point_has_not(names, sentence, branch):
+    point = next(iter(branch))
+    told(lambda: branch.observe(point, names), sentence)
+    told(lambda: observe(branch.contact, point, names), sentence)
+    told(lambda: observe(branch.contact, point, ["stiffness"]), "a point has no 'stiffness'; ")
+    assert list(branch.observe(point, ["stiffness"])) == ["stiffness"]
+
+
+def test_points_of_another_scene_are_no_history(branch):
+    """The path went on from them, and works were those of neither."""
+    other = Branch(replace(SCENE, normal_maugis=1.05), LOAD)
+    points = list(other)[:5]
+    told(lambda: Branch(SCENE, LOAD, history=points), "the last point of history leaves ")
+    assert Branch(other.scene, LOAD, history=points).history == points
+    near = next(iter(Branch(SCENE, LOAD, first=points[0].state)))
+    assert near.forces[0] == pytest.approx(next(iter(branch)).forces[0], rel=1e-7)
+
+
 @pytest.mark.parametrize("other, words", (({"points": 128}, "128 points, period 20 beta"),
                                           ({"period": 40.0}, "64 points, period 40 beta")))
 def test_a_point_of_another_grid(other, words, branch):
     point, scene = next(iter(branch)), replace(SCENE, **other)
     said = f"is of another grid (64 points, period 20 beta) than the contact's ({words}): "
-    told(lambda: Branch(scene, LOAD).observe(point), f"point {said}")
+    for act in (Branch(scene, LOAD).observe, Branch(scene, LOAD).stiffness,
+                Branch(scene, LOAD).packed):
+        told(lambda act=act: act(point), f"point {said}")
     told(lambda: Branch(scene, LOAD, history=[point]), f"a point of history {said}")
     told(lambda: Branch(scene, LOAD, first=point.state), f"first {said}")
 

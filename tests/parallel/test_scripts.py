@@ -2,7 +2,7 @@
 
 import pytest
 from processes import call
-from ranks import program, say, together
+from ranks import command, program, say, together
 
 SPHERE = """
 import copy
@@ -117,6 +117,20 @@ class Stiff(Law):
 print(list(Branch(scene, load)))
 """, tmp_path, fresh=True)
     assert done.returncode == 1 and "InputError" in done.stderr
+
+
+@together
+def test_a_path_that_fails_says_why_as_in_one_process(tmp_path):
+    """The sentence asks what rounding leaves, of which processes knew nothing: a traceback."""
+    words = ["run", "-scene_dimension", "2", "-scene_geometry", "sphere", "-scene_points", "32",
+             "-scene_period", "24", "-load_path", "normal_displacement=1", "-contact_symmetry",
+             "off", "-scene_normal_maugis", "2", "-snes_max_it", "1", "-continuation_initial_step",
+             "0.9", "-continuation_largest_step", "0.9", "-continuation_smallest_step", "0.5"]
+    one, two = (command(size, *words, folder=tmp_path) for size in (1, 2))
+    assert one.returncode == two.returncode == 1 and "Traceback" not in two.stderr, two.stderr
+    told = [line.partition("error: SNES DIVERGED_MAX_IT")[2].partition("; the grid is too coarse")
+            for done in (one, two) for line in done.stderr.splitlines() if "error: " in line]
+    assert len(told) == 2 and told[0][2] == told[1][2] != ""
 
 
 @together
