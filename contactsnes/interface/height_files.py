@@ -84,7 +84,7 @@ def split(specification):
 
 def _read_dataset(filename, dataset):
     """A dataset of an HDF5 file."""
-    import h5py  # needed for this kind of file only
+    from ..system.hdf5 import h5py  # needed for this kind of file only
 
     with h5py.File(filename, "r") as file:
         if not isinstance(file.get(dataset or "/"), h5py.Dataset):

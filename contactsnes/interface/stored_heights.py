@@ -64,7 +64,7 @@ class Stored(NamedTuple):
         """So many rows from one on, a new array."""
         ends = slice(self.part[0].start + first, self.part[0].start + first + count)
         if self.dataset:
-            import h5py
+            from ..system.hdf5 import h5py
 
             with h5py.File(self.filename, "r") as file:
                 return file[self.dataset][(ends, *self.part[1:])].astype(float, copy=False)

@@ -86,7 +86,7 @@ def instead(name, known, shown=None):
 
 def put_attributes(item, attributes):
     """Write attributes, a mapping, of a new group or dataset, given by its identifier."""
-    import h5py
+    from ..system.hdf5 import h5py
 
     for name, value in attributes.items():
         value = np.asarray(value)
@@ -109,7 +109,7 @@ def make_columns(branch, columns, chunk):
     columns : dict, name -> `Column`
     chunk : int, rows that are stored together
     """
-    import h5py
+    from ..system.hdf5 import h5py
 
     space = h5py.h5s.create_simple((1,), (h5py.h5s.UNLIMITED,))
     plan, found = h5py.h5p.create(h5py.h5p.DATASET_CREATE), {}
@@ -137,7 +137,7 @@ def make_field(group, name, kind, chunk):
     kind : str, NumPy's type of the numbers
     chunk : tuple of int, (points, *shape of a field)
     """
-    import h5py
+    from ..system.hdf5 import h5py
 
     space = h5py.h5s.create_simple((0, *chunk[1:]), (h5py.h5s.UNLIMITED, *chunk[1:]))
     plan, kind = h5py.h5p.create(h5py.h5p.DATASET_CREATE), np.dtype(kind)
@@ -157,7 +157,7 @@ def put_rows(branch, first, count, rows):
     first, count : int, number of the first row, from 1 on, and how many there are
     rows : dict, name -> array (count, ...)
     """
-    import h5py
+    from ..system.hdf5 import h5py
 
     place = h5py.h5s.create_simple((first - 1 + count,))
     place.select_hyperslab((first - 1,), (count,))

@@ -32,7 +32,7 @@ class WriteError(ArchiveError):
 def opened(path, mode):
     """Open an HDF5 file; wait a moment for other programs. Chunks pass by the cache: a row writes
     itself only."""
-    import h5py  # runs without an archive need not import it
+    from ..system.hdf5 import h5py  # runs without an archive need not import it
 
     patience = time.monotonic() + PATIENCE
     while True:

@@ -142,7 +142,7 @@ class Store:
     def _write_anew(self, write, points, slot):
         """Copy the archive beside itself, with room for twice so many points, four times with all
         fields, which take long to copy; let `write` act on it; put it in place."""
-        import h5py
+        from ..system.hdf5 import h5py
 
         partial = self.path.with_name(self.path.name + ".partial")
         try:

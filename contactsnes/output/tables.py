@@ -8,10 +8,10 @@ from collections.abc import Mapping
 from datetime import datetime
 from pathlib import Path
 
-import h5py
 import numpy as np
 
 from ..system.devices import Lenient
+from ..system.hdf5 import h5py
 
 
 def markdown(heading, rows):

@@ -4,11 +4,11 @@ one."""
 
 from pathlib import Path
 
-import h5py
 import numpy as np
 
 from ..options.fields import InputError
 from ..system.devices import Lenient
+from ..system.hdf5 import h5py
 from .files import ArchiveError
 from .reading import read
 

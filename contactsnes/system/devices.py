@@ -10,7 +10,7 @@ import resource
 import select
 import signal
 
-from .streams import SIGNALS
+from .streams import Waiting
 
 
 class Lenient(io.FileIO):
@@ -20,25 +20,17 @@ class Lenient(io.FileIO):
 
     def __init__(self, path):
         super().__init__(path, "w+")
-        self._failure, self._handlers, self._signals = None, {}, []
+        self._failure, self._waiting = None, Waiting()
 
     def __enter__(self):
-        with contextlib.suppress(ValueError):  # signals are the main thread's
-            for number in filter(lambda number: callable(signal.getsignal(number)), SIGNALS):
-                self._handlers[number] = signal.signal(number, self._wait)
+        self._waiting.__enter__()
         return super().__enter__()
-
-    def _wait(self, number, frame):
-        self._signals.append(number)
 
     def __exit__(self, kind, error, traceback):
         try:
             super().__exit__(kind, error, traceback)
         finally:
-            for number, handler in self._handlers.items():
-                signal.signal(number, handler)
-            for number in self._signals[:1]:
-                self._handlers[number](number, None)
+            self._waiting.__exit__(kind, error, traceback)
         if isinstance(error, Exception):
             self.check()  # what HDF5 complains of is that it reads other bytes than it has written
 

@@ -69,6 +69,28 @@ def standard_streams():
         sys.stdout, sys.stderr = before
 
 
+class Waiting:
+    """Within it, signals of `SIGNALS` wait, if it is Python that handles them."""
+
+    def __init__(self):
+        self._handlers, self._signals = {}, []
+
+    def __enter__(self):
+        with contextlib.suppress(ValueError):  # signals are the main thread's
+            for number in filter(lambda number: callable(signal.getsignal(number)), SIGNALS):
+                self._handlers[number] = signal.signal(number, self._wait)
+        return self
+
+    def _wait(self, number, frame):
+        self._signals.append(number)
+
+    def __exit__(self, *_):
+        for number, handler in self._handlers.items():
+            signal.signal(number, handler)
+        for number in self._signals[:1]:
+            self._handlers[number](number, None)
+
+
 class Interrupts:
     """Within it, a signal of `SIGNALS` raises KeyboardInterrupt with its number; those that are
     ignored stay so.

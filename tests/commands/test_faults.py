@@ -170,6 +170,28 @@ def test_a_signal_while_handlers_are_set_or_put_back_ends_a_command_with_its_num
     assert list(map(signal.getsignal, streams.SIGNALS)) == before
 
 
+def test_a_signal_waits_until_a_library_is_there(tmp_path):
+    """HDF5 called an interpreter that had ended where h5py had not said what to undo."""
+    (tmp_path / "h5py.py").write_text("""import os, signal
+os.kill(os.getpid(), signal.SIGTERM)
+for _ in range(1000):
+    pass
+whole = True
+""")
+    program = """import sys
+from contactsnes.system.streams import Interrupts
+with Interrupts():
+    try:
+        from contactsnes.system.hdf5 import h5py
+    except KeyboardInterrupt as error:
+        print(error, sys.modules["h5py"].whole)
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True,
+                          check=False, env={**ENVIRONMENT, "PYTHONPATH": os.pathsep.join(
+                              [str(tmp_path), *sys.path])})
+    assert done.stdout == f"{int(signal.SIGTERM)} True\n", done.stderr
+
+
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="nothing tells of handlers here")
 def test_signals_at_any_moment_end_a_run_with_their_numbers(tmp_path):
     for number, wait in ((signal.SIGHUP, 0.0), (signal.SIGINT, 0.2), (signal.SIGTERM, 0.4),

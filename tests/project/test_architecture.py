@@ -54,11 +54,12 @@ ROOMS = (Room("options"), Room("system"), Room("grid", ("options", "system")),
 HOMES = {"petsc4py": {"options.database", "commands", "compare.comparison", "solvers", "dynamics",
                       "branch"},
          "matplotlib": {"output.figures", "output.report", "compare.figure"},
-         "h5py": {"output.columns", "output.files", "output.store",
-                  "output.tables", "output.vtk", "interface.height_files",
-                  "interface.stored_heights"},
-         "pyfftw": {"grid.fftw"}}
+         "h5py": {"system.hdf5"}, "pyfftw": {"grid.fftw"}}
 """The only rooms or modules that may import a package, anywhere in them."""
+
+OF_HDF5 = {"output.columns", "output.files", "output.store", "output.tables", "output.vtk",
+           "interface.height_files", "interface.stored_heights"}
+"""The only modules that read and write HDF5."""
 
 WITHOUT_PETSC = ("options", "system", "grid", "reference", "interface", "kernels",
                  "continuation", "scene", "contact", "output")
@@ -227,6 +228,10 @@ def test_package_has_its_homes(package, trees):
     importing = [name for name in FILES
                  if package in {imported.split(".")[0] for imported in imports(trees[name])}]
     assert not [name for name in importing if not within(name, HOMES[package])]
+
+
+def test_hdf5_has_its_homes(trees):
+    assert {name for name in MODULES if "system.hdf5" in own_modules(trees[name])} == OF_HDF5
 
 
 def test_transforms_are_the_grids(trees):
