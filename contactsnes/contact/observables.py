@@ -209,15 +209,16 @@ def named(names, known, *more):
     Parameters
     ----------
     names : iterable of str, or None
-    known, more : names of numbers, and of such as are told where they are asked for only
+    known, more : names of numbers, a mapping, and of such as are told where they are asked for only
     """
     if names is None:
         return list(known)
     names = several("names", names, "a list of columns, as in ['normal_force']")
     for name in names:
-        if name not in (allowed := [*known, *more]):
+        if not isinstance(name, str) or name not in known and name not in more:
             raise InputError(f"a point has no {name!r}" + like(
-                str(name), allowed, "; contactsnes.table(scene) lists what it has", cutoff=0.55))
+                str(name), [*known, *more], "; contactsnes.table(scene) lists what it has",
+                cutoff=0.55))
     return names
 
 
