@@ -94,6 +94,10 @@ class FullForm(DisplacementForm):
             window, operator, count, half, make)
         super().__init__(contact, window, controls)
 
+    def closest_beyond(self, mean):
+        """None: it is whole transforms that leave the response at all nodes of the cell."""
+        return None
+
 
 def asked(form, state, reach, ended=None):
     """Norm of a form's F at a state, the largest imbalance at a node where the law acts, ranges of
@@ -201,9 +205,8 @@ class Balance:
             state = State(state.window, state.unfolded(state.once), state.means)
         norm, largest, acts = asked(form, state, self.contact.law.range,
                                      ended if form is solver else None)
-        closest = (form.closest_beyond(state.means[0])  # where whole transforms have the response
-                   if isinstance(state.window, Nodes) and state.window.hull.is_whole
-                   and not isinstance(form, FullForm) else None)
+        closest = (form.closest_beyond(state.means[0])
+                   if isinstance(state.window, Nodes) and state.window.hull.is_whole else None)
         if isinstance(solver, EvenForm) and acts:
             self._proved = state.window, len(controls)
         return Imbalance(norm, largest, closest)
