@@ -71,8 +71,10 @@ def _follow_spot(contact, states, weights):
     _, nodes, (last, *earlier) = alike(contact, [states[-1]], states[:-1])
     known, ahead = [*earlier, last], None
     if contact.kernels.compiled and nodes.even and not contact.grid.shared:
-        ahead = followed(states, known, [contact.gap_on(state.half) for state in states],
-                         contact.law.range, weights, places, target)
+        gaps = [contact.gap_on(state.half) for state in states]
+        if len(places[0]) == 1:
+            gaps.append(contact.gap_on(nodes.wider))
+        ahead = followed(states, known, gaps, contact.law.range, weights, places, target)
     if ahead is None:
         ahead = _followed(contact, states, nodes, known, weights, places, target)
     return spread(nodes, ahead, weighted([state.means for state in states], weights))

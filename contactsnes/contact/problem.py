@@ -91,7 +91,7 @@ class Contact:
         self.circle = lru_cache(maxsize=32)(self._circle)
         self.coarse = lru_cache(maxsize=1)(self._coarse)
         self.survey = lru_cache(maxsize=1)(partial(surveyed, self))
-        self.gap_on = lru_cache(maxsize=3)(self._gap_on)
+        self.gap_on = lru_cache(maxsize=4)(self._gap_on)
         for array in (self.ranges, self._signs, self.initial_gap):
             array.flags.writeable = False
         self._sealed = True

@@ -11,6 +11,7 @@ from functools import cached_property, reduce
 
 import numpy as np
 
+from .boxes import reaching
 from .cell import Grid
 from .contours import area_below
 from .windows import Window
@@ -158,6 +159,12 @@ class EvenWindow:
     def _number(self):
         """What it is found by, which is asked for many times a step."""
         return hash((self.full, self.parities))
+
+    @cached_property
+    def wider(self):
+        """The half of the window that reaches a fifth further; this one where there is no room."""
+        wide = reaching(self.full)
+        return self if wide is self.full else halved(wide, self.parities)
 
     @cached_property
     def indices(self):

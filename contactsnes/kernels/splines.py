@@ -51,13 +51,15 @@ def spline(values, places, axis):
 
 def followed(states, known, gaps, reach, weights, places, target):
     """Displacements (components, nodes) of even states of one box whose places are moved, as of
-    `contact.edges._followed`; None where that asks for more nodes than a state's window has.
+    `contact.edges._followed`; None where the law acts nowhere, or of a plane where that asks for
+    more nodes than a state's window has.
 
     Parameters
     ----------
     states : list of State, with their halves, oldest first
     known : arrays (components, nodes), their displacements at the nodes of the last one's half
-    gaps : arrays, initial gaps at the nodes of each one's half, delta_n
+    gaps : arrays, initial gaps at the nodes of each one's half, delta_n; then, on a line, at those
+        of the wider half of the last one
     reach : normal gap within which the law acts
     weights : numbers, one a state
     places, target : for each state places in each direction, in nodes from the first one of the
@@ -66,13 +68,14 @@ def followed(states, known, gaps, reach, weights, places, target):
     fields, half = [state.once for state in states], states[-1].half
     (components, nodes), begin, total = known[-1].shape, half.full.start, half.full.grid.shape
     signs = np.array(half.parities or ((1,) * len(total),) * components, dtype=np.intc)
-    spread = np.array([(state.half.extents, state.window.extents, state.half.closed,
+    halves, plane = [state.half for state in states], len(total) > 1
+    spread = np.array([(one.extents, one.full.extents, one.closed,
                         [(here - there + n // 2) % n - n // 2
-                         for here, there, n in zip(state.window.start, begin, total)])
-                       for state in states], dtype=np.intc)
+                         for here, there, n in zip(one.full.start, begin, total)])
+                       for one in (halves if plane else [*halves, half.wider])], dtype=np.intc)
     weights, here, there = (np.array(numbers, dtype=float)
                             for numbers in (weights, places, target))
-    found, plane = np.empty((components, nodes)), len(total) > 1
+    found = np.empty((components, nodes))
     work = np.empty(_work(half.extents, spread[:, 0]) if plane else
                     4 * (spread[:, 1].max() + nodes) + 2 * components * nodes)
     shape, extents = np.array(half.extents), np.array(half.full.extents, dtype=np.intc)
@@ -82,7 +85,7 @@ def followed(states, known, gaps, reach, weights, places, target):
             address(found))
     beyond = (shared().followed_plane(components, shape.ctypes.data, *given, address(extents),
                                       *rest) if plane else
-              shared().followed(components, nodes, *given, *half.full.extents, *rest))
+              shared().followed(components, nodes, *given, *rest))
     return None if beyond else found
 
 

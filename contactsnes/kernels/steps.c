@@ -128,30 +128,42 @@ void sources(long start, long count, long places, const double *here, const doub
 
 enum { SUPPORT = 12 }; /* as of contact/edges.py */
 
-/* out (wanted, components) = fields of a line that are known from its middle outwards, at `half` nodes,
-   the initial gap added to the first, at nodes from `start` on whose `places` were moved (`sources`);
-   signs: whether fields are even (1) or odd (-1). What it returns is not 0 where more is asked for than
-   the line's `extent`, which may be `closed`. work: 4 (extent + wanted) numbers. */
-CLONES static int moved(long components, long half, const double *restrict fields, const double *restrict gap,
-                 const int *signs, long extent, int closed, long start, long wanted, long places,
-                 const double *here, const double *there, long begin, double *work, double *out)
+typedef struct { /* a line of `states` that is known from its middle outwards */
+    int half, extent, closed, begin; /* nodes; begin: its first one from that of the last line */
+} Spread;
+
+/* out (wanted, components) = fields of a line that are known from its middle outwards, the initial gap added
+   to the first, at nodes from `start` on whose `places` were moved (`sources`); signs: whether fields are even
+   (1) or odd (-1). Where more is asked for than the line's extent, which may be closed, it is known by its
+   nearest node as far as a `wide` line reaches, whose gap is `beyond`. What is returned is not 0 where nothing
+   is asked for. work: 4 (extent + wanted) numbers, of the longer line. */
+CLONES static int moved(long components, const Spread *s, const double *restrict fields,
+                        const double *restrict gap, const Spread *wide, const double *restrict beyond,
+                        const int *signs, long start, long wanted, long places, const double *here,
+                        const double *there, double *work, double *out)
 {
     double *at = work, *values = work + wanted;
+    const long middle = s->extent / 2, ends = s->extent - 1 - middle;
     if (!wanted) return 1;
-    sources(start, wanted, places, here, there, begin, at);
-    long low = (long)at[0] - SUPPORT, high = (long)at[wanted - 1] + SUPPORT + 2;
-    if (!closed && (low < 0 || high > extent)) return 1;
-    low = low < 0 ? 0 : low;
-    high = high > extent ? extent : high;
-    const long middle = extent / 2, count = high - low;
+    sources(start, wanted, places, here, there, s->begin, at);
+    long low = (long)at[0] - SUPPORT, high = (long)at[wanted - 1] + SUPPORT + 2, first = 0, last = s->extent;
+    if (!s->closed && (low < 0 || high > last)) {
+        gap = beyond;
+        first = middle - wide->extent / 2;
+        last = first + wide->extent;
+    }
+    low = low < first ? first : low;
+    high = high > last ? last : high;
+    const long count = high - low;
     if (count < 2) return 1;
     for (long i = 0; i < components; i++)
         for (long k = 0; k < count; k++) {
             const long away = low + k - middle, node = away < 0 ? -away : away;
-            const double value = fields[i * half + node];
+            const long near = away < 0 ? middle : ends;
+            const double value = fields[i * s->half + (node < near ? node : near)];
             /* what is odd vanishes in the middle, and where the cell closes on itself */
             const double whole = signs[i] > 0 || away > 0 ? value
-                : away == 0 || (closed && node == half - 1) ? 0.0 : -value;
+                : away == 0 || (s->closed && node == s->half - 1) ? 0.0 : -value;
             values[k * components + i] = i ? whole : whole + gap[node];
         }
     for (long k = 0; k < wanted; k++) at[k] -= (double)low;
@@ -159,20 +171,17 @@ CLONES static int moved(long components, long half, const double *restrict field
     return 0;
 }
 
-typedef struct { /* a line of `states` that is known from its middle outwards */
-    int half, extent, closed, begin; /* nodes; begin: its first one from that of the last line */
-} Spread;
-
 /* out (components, nodes) = weighted sum of displacements of lines whose `places` are moved from `here`
    (lines, places) to `there`, as far as the law acts on the last one, two nodes more; at fixed places
-   beyond. known: displacements at the last one's nodes, of an `extent`; fields, gaps: those at each one's
-   own. What it returns is not 0 where a line is not known so far (`moved`). work: 4 (the largest extent +
-   nodes) + 2 components nodes. */
+   beyond. known: displacements at the last one's nodes; fields, gaps: those at each one's own. spread, gaps:
+   of these lines, and of a wider one (`moved`). What it returns is not 0 where the law acts nowhere. work: 4
+   (the largest extent + nodes) + 2 components nodes. */
 CLONES int followed(long components, long nodes, long lines, const double *const *known,
                     const double *const *fields, const double *const *gaps, const Spread *spread,
-                    const int *signs, long extent, double range, const double *weights, long places,
-                    const double *here, const double *there, double *work, double *out)
+                    const int *signs, double range, const double *weights, long places, const double *here,
+                    const double *there, double *work, double *out)
 {
+    const long extent = spread[lines - 1].extent;
     const double *restrict last = known[lines - 1], *restrict gap = gaps[lines - 1];
     double *near = work, *one = near + components * nodes, *rest = one + components * nodes;
     double lowest = INFINITY;
@@ -185,9 +194,8 @@ CLONES int followed(long components, long nodes, long lines, const double *const
     if (!wanted) return 1;
     wanted = wanted + 2 < extent - extent / 2 ? wanted + 2 : extent - extent / 2;
     for (long l = 0; l < lines; l++) {
-        const Spread *s = &spread[l];
-        if (moved(components, s->half, fields[l], gaps[l], signs, s->extent, s->closed, extent / 2, wanted,
-                  places, here + l * places, there, s->begin, rest, one))
+        if (moved(components, &spread[l], fields[l], gaps[l], &spread[lines], gaps[lines], signs, extent / 2, wanted,
+                  places, here + l * places, there, rest, one))
             return 1;
         for (long k = 0; k < components * wanted; k++)
             near[k] = l ? near[k] + weights[l] * one[k] : weights[l] * one[k];

@@ -358,10 +358,11 @@ def test_works_along_a_path(count, first, twin):
 
 
 @compiled
-@pytest.mark.parametrize("extent", [81, 128])
-def test_halves_of_lines_whose_places_were_moved(extent, monkeypatch):
+@pytest.mark.parametrize("extent, other", [(81, 91), (81, 71), (101, 111), (128, 128)])
+def test_halves_of_lines_whose_places_were_moved(extent, other, monkeypatch):
     """By the library as by NumPy and SciPy on the whole window: from the middle outwards, with odd
-    slip, and up to where the cell closes; more than a window has is asked of neither."""
+    slip, and up to where the cell closes; beyond a window by its nearest nodes, as far as a wider
+    one reaches that the cell has room for."""
     scene = EVEN["sheared line"][0]
     contact = Contact(scene)
     interpreted = Contact(scene, kernels=chosen(False))
@@ -371,9 +372,8 @@ def test_halves_of_lines_whose_places_were_moved(extent, monkeypatch):
     once[1, 0] = 0.0
     once[1, -1] *= extent < 128
     known = state.Mirrored.of(half, once, np.zeros(2))
-    wider = Window(contact.grid, (64 - (extent + 10) // 2,), (extent + 10,))
-    wider = EvenWindow(wider, half.parities) if extent < 128 else half
-    before = state.Mirrored.of(wider, np.resize(once[:, ::-1], (2, wider.size)), np.zeros(2))
+    there = EvenWindow(Window(contact.grid, (64 - other // 2,), (other,)), half.parities)
+    before = state.Mirrored.of(there, np.resize(once[:, ::-1], (2, there.size)), np.zeros(2))
     before.once[1, 0] = 0.0
     given, weights = [before, known], [-0.7, 1.7]
     places = [[extent / 2 - 20.3, extent / 2 + 20.3], [extent / 2 - 18.0, extent / 2 + 18.0]]
@@ -383,11 +383,9 @@ def test_halves_of_lines_whose_places_were_moved(extent, monkeypatch):
         # the law acts up to a node
         once[0] = np.where(np.arange(half.size) < last, 1.0, 2.0) - contact.gap_on(half)
         once[0] += 0.1 * np.sin(np.arange(half.size))
-        found = splines.followed(given, at_nodes, [contact.gap_on(one.half) for one in given],
-                                 reach, weights, [[line] for line in places], [target])
-        if last == half.size and extent < 128:
-            assert found is None
-            continue
+        gaps = [contact.gap_on(one) for one in (there, half, half.wider)]
+        found = splines.followed(given, at_nodes, gaps, reach, weights, [[line] for line in places],
+                                 [target])
         monkeypatch.setattr(interpreted.law, "range", reach)
         expected = edges._followed(interpreted, given, half, at_nodes, weights,
                                    [[line] for line in places], [target])
