@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..contact import states
+from ..contact import nearing, states
 from ..contact.problem import FORCE
 from ..interface.laws.law import slip_of
 from ..scene.resolution import PINNING, resolution
@@ -104,12 +104,12 @@ class Ends:
         return replace(self.solve(away, leg.controls, load), position=position)
 
     def within_range(self, point):
-        """A state within the law's range for a body that a force moves freely, off the flat, or
-        one with the slip of the friction's peak where it glides; None for any other."""
+        """A state that feels the law of a body that a force moves freely, off the flat, or that
+        glides; None for any other."""
         if self._glides(point):
-            return self._held(point.state)
+            return nearing.held(self.contact, point.state)
         free = point.controls[0] == FORCE and not point.in_contact
-        return states.within_range(self.contact, point.state) if free else None
+        return nearing.within_range(self.contact, point.state) if free else None
 
     def _glides(self, point):
         """Whether a body in contact that a tangential force moves slips so far everywhere that its
@@ -122,10 +122,3 @@ class Ends:
         law, places = self.contact.law, np.array([[0.0, 0.0], [least, least + ONWARD]])
         slopes = np.abs(law.tangent(places)[1, 1])
         return least > law.slip_peak and slopes.max() < LEVEL * law.tangential_peak
-
-    def _held(self, state):
-        """A gliding state taken back to where friction has its peak: it comes from more slip."""
-        means, moved = state.means.copy(), state.displacement.copy()
-        means[1:] *= self.contact.law.slip_peak / np.linalg.norm(means[1:])
-        moved[1:] = means[1:, None]
-        return states.State(state.window, moved, means)

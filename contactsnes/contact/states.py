@@ -90,15 +90,6 @@ def _carried(contact, depth):
     return contact.grid.sum(traction[0, contact.initial_gap.reshape(-1) < depth])
 
 
-def within_range(contact, state):
-    """The state of a body off the flat moved down as a whole until its lowest node is one range of
-    the law away."""
-    cell = contact.extended(state)
-    cell[0] -= contact.grid.minimum(cell[0] + contact.initial_gap) - 1.0
-    flat = cell.reshape(len(cell), -1)
-    return State(contact.grid.whole, flat, contact.grid.mean(flat))
-
-
 def normal_gap(contact, state):
     """Normal gap on the state's window (nodes), delta_n."""
     return state.normal + contact.gap_on(state.window)

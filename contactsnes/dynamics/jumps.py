@@ -1,12 +1,13 @@
 """Motion to rest at fixed loads, from a fold or from the undeformed body: where it settles,
 polished by Newton."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
 
 from ..contact import states
-from ..contact.energies import straight, weights
+from ..contact.energies import FAR_PANELS, straight, weights
 from ..contact.force_form import ForceForm
 from ..continuation.points import NoEquilibrium, NotConverged
 from ..options.database import read
@@ -73,8 +74,8 @@ def settle(system, state, controls, load, where, origin=None):
     state : State
     controls, load : of each component
     where : str, what a message says of the place
-    origin : State, the equilibrium at this load from which the motion begins, if it does: works are
-        known where that is near
+    origin : State, the equilibrium at this load from which the motion begins, if it does: works
+        are known from there on, against viscosity where that is near
 
     Raises
     ------
@@ -143,13 +144,14 @@ def by_creep(system, state, controls, load, origin, options):
     motion = OverdampedMotion(contact, system.symmetry, controls, load, state, system.totals,
                               options, system.settings.linear_precision,
                               carried(contact, origin, state) if beside else None)
-    motion.measured = beside
+    motion.measured = origin is not None
     point = at_rest(system, motion, controls, load)
     if not motion.measured:
         return point
-    motion.works[0] += straight(contact, origin, state)
+    motion.works[0] += straight(contact, origin, state, 1 if beside else FAR_PANELS)
     works = contact.grid.node_area * motion.works @ weights(contact, len(controls))
-    return replace(point, jump_work=float(works[0]), viscous_work=float(works[1]))
+    return replace(point, jump_work=float(works[0]),
+                   viscous_work=float(works[1]) if beside else math.nan)
 
 
 def carried(contact, origin, state):

@@ -234,9 +234,39 @@ def test_motions_in_single_precision_end_in_the_same_state(name, kernels, jumped
                                                             rel=0.1)
 
 
-def test_works_of_a_motion_that_does_not_begin_beside_an_equilibrium_are_not_told(jumped):
-    assert np.isnan(jumped["jump-in under a force"][1][-1].viscous_work)
-    assert np.isnan(jumped["jump-in under a force"][1][-1].jump_work)
+def test_works_on_the_interface_are_known_from_out_of_the_laws_range_on(jumped):
+    """... those against viscosity, which the start within it leaves out, are not."""
+    before, jump = jumped["jump-in under a force"][1][-2:]
+    assert jump.jump_work == pytest.approx(jump.interface_work - before.interface_work, rel=1e-3)
+    assert np.isnan(jump.viscous_work)
+
+
+@pytest.mark.parametrize("law, poisson, slip", (("modified", 0.5, 1.0), ("mcgarry", 0.0, 0.0),
+                                                ("dugdale", 0.3, 1.5)))
+def test_a_jump_from_out_of_the_laws_range_loses_what_motion_from_afar_does(law, poisson, slip):
+    """No potential tells, and slip goes back on the way, far before the body is one range away."""
+    scene = Scene(points=48, period=12.0, height=10.0, poisson=poisson, normal_maugis=1.5, law=law,
+                  residual_friction=0.5, dugdale_width=0.4)
+    load = Load(f"normal_displacement=-10, tangential_displacement={slip}", "normal_force=0.001")
+    points = list(Branch(scene, load))
+    number = [point.event for point in points].index("jump")
+    fold, jump = points[number - 1:number + 1]
+    contact, far = Contact(scene), 6.0 if law == "dugdale" else 9.0
+    whole = OnTheCell(contact, (F, D), (0.0, slip))
+    start = np.repeat([[far], [slip]], 48, axis=1)
+
+    def rate(time, known):
+        moved, gap = whole.rate(time, known[:-1]), known[:-1].reshape(2, -1).copy()
+        gap[0] += contact.initial_gap
+        return np.append(moved, contact.law.traction(gap).reshape(-1) @ moved)
+
+    end = solve_ivp(rate, (0.0, 1e6), np.append(start, 0.0), "LSODA", [1e6], rtol=1e-6,
+                    atol=1e-8).y[:, 0]
+    rest = jump.state.window.take(end[:-1].reshape(2, -1))
+    np.testing.assert_allclose(rest, jump.state.displacement, atol=1e-4)
+    lost = fold.elastic_energy - jump.elastic_energy - contact.grid.node_area * end[-1]
+    assert jump.jump_balance == "motion"
+    assert jump.dissipated_work - fold.dissipated_work == pytest.approx(lost, rel=5e-3)
 
 
 def test_a_kick_is_along_the_null_vector(options):
