@@ -81,7 +81,8 @@ def plot(arguments):
         from ..output.figures.plot import draw
 
         groups = [asked.together] if asked.together else paths
-        for name, drawn in zip(groups, draw(paths, asked)):
+        # drawn first: after the last of them measured points are told that no figure has shown
+        for drawn, name in zip(draw(paths, asked), groups):
             told(*drawn.files, *(f"no figure {kind} of {name}: {why}"
                                  for kind, why in drawn.skipped.items()))
 

@@ -431,6 +431,80 @@ def test_measured_points_that_do_not_fit_are_named(tmp_path, text, word):
         plot(tmp_path / "run.h5", measured=path)
 
 
+def test_measured_points_that_no_figure_shows_are_an_error_of_the_command(
+        tmp_path, capsys, kept_options):
+    archive_of(tmp_path / "run.h5", [(row, ()) for row in shear()])
+    path = measured_file(tmp_path / "points.csv", "leg,approach\n1,2\n")
+    assert cli.main(["plot", str(tmp_path / "run.h5"), "-plot_with", path]) == 2
+    assert "no figure has two of its columns" in capsys.readouterr().err
+
+
+def test_each_table_of_measured_points_stands_in_the_legend_once(tmp_path):
+    record = read(archive_of(tmp_path / "run.h5", [(row, ()) for row in shear()]).path)
+    tables = [measured.Measured(measured_file(tmp_path / f"{name}.csv", text)) for name, text in (
+        ("glass", "tangential_displacement,tangential_force,contact_area\n1,1,12\n"),
+        ("steel", "tangential_displacement,tangential_force\n2,2\n"),
+        ("cut", "tangential_displacement,contact_area\n2,12\n"))]
+    for figure in (loads.draw_shear(record, tables), curves.draw_columns(
+            [record], ["tangential_displacement", "tangential_force", "contact_area"], tables)):
+        shown = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+        assert sorted(shown[-3:]) == ["cut", "glass", "steel"]
+
+
+def test_measured_points_between_semicolons_have_decimal_commas(tmp_path):
+    table = measured.Measured(measured_file(tmp_path / "points.csv", "approach;normal_force\n"
+                                            "1,5;-2,25e-1\n0.5;1\n"))
+    assert np.array_equal(table.columns["approach"], [1.5, 0.5])
+    assert np.array_equal(table.columns["normal_force"], [-0.225, 1.0])
+
+
+def test_columns_that_are_not_known_everywhere_are_drawn_where_they_are(tmp_path):
+    rows = shear()
+    for place, row in enumerate(rows):
+        row["approach"] = np.nan if place < 5 else float(place)
+    record = read(archive_of(tmp_path / "run.h5", [(row, ()) for row in rows]).path)
+    assert curves.draw_columns([record], ["approach", "contact_area"])
+    for row in rows:
+        row["approach"] = np.nan
+    record = read(archive_of(tmp_path / "none.h5", [(row, ()) for row in rows]).path)
+    for pair in (["approach", "contact_area"], ["contact_area", "approach"]):
+        with pytest.raises(data.NothingToShow, match="none.h5 has no point with both"):
+            curves.draw_columns([record], pair)
+
+
+def test_archives_stand_together_whose_costs_are_counted_in_other_units(tmp_path, monkeypatch):
+    known, paths = columns(), [tmp_path / "cell.h5", tmp_path / "alone.h5"]
+    for path in paths:
+        monkeypatch.setitem(globals(), "columns", lambda dimension, path=path: known | {
+            "transforms": Column(f"of {path.stem}")})
+        archive_of(path, [(row, ()) for row in shear()])
+    assert len(plot(paths).files) == 2
+    with pytest.raises(ArchiveError, match="has transforms in 'of alone'"):
+        plot(paths, columns="transforms,contact_area")
+
+
+def test_figures_together_name_the_archive_without_shear(tmp_path):
+    archive_of(tmp_path / "sheared.h5", [(row, ()) for row in shear()])
+    archive_of(tmp_path / "pressed.h5", [(row, ()) for row in loading()])
+    skipped = plot([tmp_path / "sheared.h5", tmp_path / "pressed.h5"]).skipped
+    assert skipped["shear"] == "there is no tangential load in pressed.h5"
+
+
+@pytest.mark.parametrize("name", ["run", "maugis_3_poisson_0.49_residual_friction_0.5_seed_17"])
+def test_no_entry_of_a_legend_is_cut(tmp_path, name):
+    rows = loading()
+    for row, force in zip((rows[0], rows[-1]), (1.234e-6, 1.234e-6)):
+        row["normal_force"] = -force
+    record = read(line_archive(tmp_path / f"{name}.h5", rows).path)
+    with rc_context(style.STYLE):
+        for figure in (profiles.draw_profiles(record, [0, 5, len(rows) - 1]),
+                       curves.draw_columns([record, record], ["approach", "normal_force"])):
+            figure.draw_without_rendering()
+            boxes = [text.get_window_extent() for text in figure.axes[0].get_legend().get_texts()]
+            assert all(box.x1 < figure.bbox.x1 for box in boxes)
+            assert figure.axes[0].get_window_extent().width > 0.7 * figure.bbox.width
+
+
 def test_size_style_and_columns(tmp_path):
     archive_of(tmp_path / "run.h5", [(row, ()) for row in shear()])
     figures = plot(tmp_path / "run.h5", size=(12.0, 6.0), style="ggplot",

@@ -7,6 +7,7 @@ from matplotlib.lines import Line2D
 
 from ...options.fields import InputError
 from ..columns import instead
+from ..prefixes import check_units
 from .data import NothingToShow, shear, unsheared, varies
 from .measured import draw_measured
 from .parts import draw_branch, event_handles, place_legend
@@ -34,6 +35,7 @@ def draw_columns(records, columns, measured=(), part_of=lambda record: slice(0, 
     part_of : function (Readable) -> slice, the points that are shown
     """
     _check(records, columns)
+    check_units(records, columns)
     x, *others = columns
     figure = Figure((WIDTH, (0.3 + 0.5 * len(others)) * WIDTH), layout="constrained")
     stack = figure.subplots(len(others), 1, sharex=True, squeeze=False)[:, 0]
@@ -41,7 +43,7 @@ def draw_columns(records, columns, measured=(), part_of=lambda record: slice(0, 
     for axes, y in zip(stack, others):
         for number, record in enumerate(records):
             draw_branch(axes, record, x, y, part_of(record), colour=f"C{number % COLOURS}")
-        points = draw_measured(axes, records[0], x, y, measured) or points
+        points += draw_measured(axes, records[0], x, y, measured)
         if axes is not stack[-1]:
             axes.set_xlabel("")
     place_legend(stack[0], _handles(records, part_of) + points)
@@ -76,11 +78,20 @@ def _check(records, columns):
                                  + instead(name, known))
 
 
+def _sheared(record):
+    """Direction of the tangential load; NothingToShow, with the archive's name, where there is
+    none."""
+    try:
+        return shear(record)[0]
+    except NothingToShow as reason:
+        raise NothingToShow(f"{reason} in {record.path.name}") from None
+
+
 def together(records, measured):
     """Name -> function () that draws a common figure of several archives, or raises
     NothingToShow."""
     def sheared(columns):
-        axes = {shear(record)[0] for record in records}
+        axes = {_sheared(record) for record in records}
         if len(axes) > 1:
             raise NothingToShow("the archives are sheared in different directions")
         axis = axes.pop()

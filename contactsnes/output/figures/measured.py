@@ -26,7 +26,7 @@ class Measured:
     Parameters
     ----------
     path : path of a CSV file: a heading of names of columns, perhaps with units in brackets, and
-        numbers; lines that begin with # are comments
+        numbers, between semicolons with decimal commas, too; lines that begin with # are comments
 
     Attributes
     ----------
@@ -49,7 +49,10 @@ class Measured:
             why = getattr(error, "strerror", None) or error
             raise InputError(f"-plot_with is '{path}', which cannot be read as text ({why}): "
                              "name a CSV file whose heading names columns") from None
-        heading, *rows = csv.reader(lines, dialect=_dialect(lines)) if lines else [[]]
+        dialect = _dialect(lines) if lines else csv.excel
+        heading, *rows = csv.reader(lines, dialect=dialect) if lines else [[]]
+        if dialect.delimiter == ";":  # then numbers may have decimal commas
+            rows = [[text.replace(",", ".") for text in row] for row in rows]
         found = [HEADING.fullmatch(text) for text in heading]
         if not rows or not all(found):
             raise InputError(f"-plot_with is '{path}', which has no heading of names and rows of "

@@ -1,7 +1,12 @@
 """Parts of figures: branches with their events, and legends."""
 
+import textwrap
+
+import matplotlib
 import numpy as np
+from matplotlib.font_manager import FontProperties
 from matplotlib.lines import Line2D
+from matplotlib.textpath import TextPath
 
 from .data import NothingToShow
 from .style import BLUE, DASHED, EVENTS, GREY, MARKS
@@ -23,8 +28,10 @@ def draw_branch(axes, record, x, y, part, shown=EVENTS, colour=BLUE):
     horizontal = record[x][part]
     vertical = record[y][part]
     events = record["event"][part]
-    if np.isnan(horizontal).any():
-        raise NothingToShow("a half-plane under a force has no displacement as a whole")
+    if not (np.isfinite(horizontal) & np.isfinite(vertical)).any():
+        raise NothingToShow(f"{record.path.name} has no point with both {x} and {y}" + (
+            ": a half-plane under a force has no displacement as a whole"
+            if np.isnan(record["approach"]).all() else ""))
     dots = {"marker": ".", "markersize": 3} if len(events) <= 25 else {}
     for piece in pieces(events):
         axes.plot(horizontal[piece], vertical[piece], color=colour, **dots)
@@ -95,16 +102,37 @@ def kinds(record, part):
     return f"fold ({', '.join(words)})" if words else "fold"
 
 
+SPACES = dict(columnspacing=1.2, handletextpad=0.5, handlelength=1.8)
+"""Between and before the entries of a legend, heights of its letters."""
+ROOM, LONGEST = 0.78, 34
+"""Part of the width of a figure that a legend may take, and letters of its entries in a line."""
+
+
 def place_legend(axes, handles, title=None):
-    """A legend above the axes, where it can hide nothing.
+    """A legend above the axes, where it can hide nothing, in as many columns as there is room for.
 
     Parameters
     ----------
     axes : matplotlib's
-    handles : list of its entries
+    handles : list of its entries; what stands in several panels has one
     title : str, optional
     """
-    longest = max(len(handle.get_label()) for handle in handles)
-    columns = min(len(handles), 3 if longest < 12 else 2)
+    handles = list({(one.get_label(), one.get_marker(), str(one.get_color())): one
+                    for one in handles}.values())
+    for handle in handles:
+        handle.set_label(textwrap.fill(handle.get_label(), LONGEST))
+    most = min(len(handles), 3 if max(len(one.get_label()) for one in handles) < 12 else 2)
+    room = ROOM * 72 * axes.figure.get_size_inches()[0]
+    columns = next((count for count in range(most, 1, -1) if _width(handles, count) < room), 1)
     axes.legend(handles=handles, title=title, loc="lower left", bbox_to_anchor=(0, 1), ncol=columns,
-                borderaxespad=0.2, columnspacing=1.2, handletextpad=0.5, handlelength=1.8)
+                borderaxespad=0.2, **SPACES)
+
+
+def _width(handles, columns):
+    """Width of a legend with so many columns, points."""
+    size = FontProperties(size=matplotlib.rcParams["legend.fontsize"]).get_size_in_points()
+    texts = [TextPath((0, 0), handle.get_label(), size=size).get_extents().width
+             for handle in handles]
+    before = size * (SPACES["handlelength"] + SPACES["handletextpad"])
+    return size * SPACES["columnspacing"] * (columns - 1) + sum(
+        before + max(part) for part in np.array_split(texts, columns))
