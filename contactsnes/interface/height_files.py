@@ -23,6 +23,8 @@ UNEVEN = 0.02
 """Part of a step by which places of points may miss a regular grid."""
 HEAD = 4096
 """Bytes that tell a file of text, which has none that is 0."""
+WITH_COMMAS = (";", "\t")
+"""What may separate numbers that have decimal commas."""
 FEWEST = 6
 """Rows from which on columns of numbers may be places and heights."""
 EXTRA = ("use FILE.npy, FILE.txt, FILE.csv, FILE.xyz or FILE.h5:dataset, or install "
@@ -135,7 +137,7 @@ def _read_table(filename, _=""):
     separator = _separator(rows[-1])
     if separator and all(row.endswith(separator) for row in rows):
         rows = [row.removesuffix(separator) for row in rows]
-    if separator == ";":
+    if separator in WITH_COMMAS:
         rows = [row.replace(",", ".") for row in rows]
     try:
         return np.squeeze(np.loadtxt(rows, delimiter=separator, ndmin=2))
@@ -165,7 +167,7 @@ def _is_row_with_holes(line, row):
 def _cells(line):
     """What a line has between its separators."""
     separator = _separator(line)
-    return (line.replace(",", ".") if separator == ";" else line).split(separator)
+    return (line.replace(",", ".") if separator in WITH_COMMAS else line).split(separator)
 
 
 def _is_number(cell):
@@ -240,9 +242,12 @@ def _read_array(filename, _=""):
         found = np.load(filename, allow_pickle=False, mmap_mode="r")
         by_rows = isinstance(found, np.memmap) and found.flags.c_contiguous
         return stored(filename, "", found) if by_rows else np.load(filename, allow_pickle=False)
-    except ValueError as error:
-        raise ValueError("it holds objects of Python, which are not read"
-                         if re.search("pickle|object", str(error)) else str(error)) from None
+    except (ValueError, EOFError) as error:
+        if not Path(filename).read_bytes().startswith(np.lib.format.MAGIC_PREFIX):
+            error = "it is no array of NumPy, whatever its name says"
+        elif re.search("pickle|object", str(error)):
+            error = "it holds objects of Python, which are not read"
+        raise ValueError(str(error)) from None
 
 
 READERS = {

@@ -68,6 +68,16 @@ def test_words_where_heights_are_missing_make_no_heading_of_a_row(tmp_path):
     assert height_files.read(tmp_path / "a.xyz").values.shape == (4, 3)
 
 
+@pytest.mark.parametrize("sign", [";", "\t"])
+def test_decimal_commas_stand_where_something_else_separates(tmp_path, sign):
+    """Rows without a fraction before them are rows as well, and no number becomes a hole."""
+    values = MAP.round(3)
+    values[0] = 1.0
+    rows = [sign.join(f"{value:g}".replace(".", ",") for value in row) for row in values]
+    (tmp_path / "a.txt").write_text("Höhen\n" + "\n".join(rows))
+    np.testing.assert_array_equal(height_files.read(tmp_path / "a.txt").values, values)
+
+
 def test_two_heights_at_one_place_are_refused(tmp_path):
     x, y = np.meshgrid(np.arange(4.0), np.arange(3.0), indexing="ij")
     points = np.array([x.ravel(), y.ravel(), x.ravel() + 10 * y.ravel()]).T
@@ -124,6 +134,13 @@ def test_files_of_surfaces_are_data(tmp_path):
 def test_what_would_be_executed_is_named(tmp_path):
     np.save(tmp_path / "a.npy", np.array([Bomb()], dtype=object), allow_pickle=True)
     with pytest.raises(ValueError, match="holds objects of Python, which are not read"):
+        height_files.read(tmp_path / "a.npy")
+
+
+@pytest.mark.parametrize("content", [b"", b"1 2 3\n4 5 6\n", b"\x1f\x8b\x08\x00"])
+def test_what_is_no_array_of_numpy_is_not_taken_for_a_program(tmp_path, content):
+    (tmp_path / "a.npy").write_bytes(content)
+    with pytest.raises(ValueError, match="it is no array of NumPy"):
         height_files.read(tmp_path / "a.npy")
 
 

@@ -451,9 +451,10 @@ def test_each_table_of_measured_points_stands_in_the_legend_once(tmp_path):
         assert sorted(shown[-3:]) == ["cut", "glass", "steel"]
 
 
-def test_measured_points_between_semicolons_have_decimal_commas(tmp_path):
+@pytest.mark.parametrize("sign", [";", "\t"])
+def test_measured_points_have_decimal_commas_where_others_separate_them(tmp_path, sign):
     table = measured.Measured(measured_file(tmp_path / "points.csv", "approach;normal_force\n"
-                                            "1,5;-2,25e-1\n0.5;1\n"))
+                                            "1,5;-2,25e-1\n0.5;1\n".replace(";", sign)))
     assert np.array_equal(table.columns["approach"], [1.5, 0.5])
     assert np.array_equal(table.columns["normal_force"], [-0.225, 1.0])
 

@@ -26,7 +26,8 @@ class Measured:
     Parameters
     ----------
     path : path of a CSV file: a heading of names of columns, perhaps with units in brackets, and
-        numbers, between semicolons with decimal commas, too; lines that begin with # are comments
+        numbers, between semicolons or tabulators with decimal commas, too; lines that begin with #
+        are comments
 
     Attributes
     ----------
@@ -51,7 +52,7 @@ class Measured:
                              "name a CSV file whose heading names columns") from None
         dialect = _dialect(lines) if lines else csv.excel
         heading, *rows = csv.reader(lines, dialect=dialect) if lines else [[]]
-        if dialect.delimiter == ";":  # then numbers may have decimal commas
+        if dialect.delimiter != ",":  # then numbers may have decimal commas
             rows = [[text.replace(",", ".") for text in row] for row in rows]
         found = [HEADING.fullmatch(text) for text in heading]
         if not rows or not all(found):
