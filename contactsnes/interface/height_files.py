@@ -9,6 +9,7 @@ import warnings
 from pathlib import Path
 
 import numpy as np
+from numpy.lib.format import MAGIC_PREFIX
 
 from ..system.devices import failure
 from .stored_heights import Heights, Stored, stored
@@ -243,11 +244,13 @@ def _read_array(filename, _=""):
         by_rows = isinstance(found, np.memmap) and found.flags.c_contiguous
         return stored(filename, "", found) if by_rows else np.load(filename, allow_pickle=False)
     except (ValueError, EOFError) as error:
-        if not Path(filename).read_bytes().startswith(np.lib.format.MAGIC_PREFIX):
-            error = "it is no array of NumPy, whatever its name says"
-        elif re.search("pickle|object", str(error)):
-            error = "it holds objects of Python, which are not read"
-        raise ValueError(str(error)) from None
+        why = str(error)
+    with open(filename, "rb") as file:
+        if file.read(len(MAGIC_PREFIX)) != MAGIC_PREFIX:
+            why = "it is no array of NumPy, whatever its name says"
+        elif re.search("pickle|object", why):
+            why = "it holds objects of Python, which are not read"
+    raise ValueError(why)
 
 
 READERS = {
