@@ -20,7 +20,7 @@ from contactsnes.output.columns import Column
 from contactsnes.output.figures import encoding, movie
 from contactsnes.output.files import ArchiveError
 from contactsnes.output.prefixes import read
-from contactsnes.output.report import certificates, words
+from contactsnes.output.report import certificates, curves, words
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 EVENTS = ("none", "fold", "jump", "gross_sliding")
@@ -213,6 +213,15 @@ def test_a_film_shows_every_point(tmp_path):
             film.seek(number)
             pictures.append(np.asarray(film.convert("RGB"), float))
     assert all(np.abs(one - other).max() > 50 for one, other in zip(pictures, pictures[1:]))
+
+
+@pytest.mark.parametrize("dimension", [1, 2])
+def test_what_is_told_above_fields_is_not_wider_than_the_page(tmp_path, dimension):
+    title = curves.title_of(read(archive(tmp_path / "run.h5", dimension)), 8)
+    lines = title.split("<br>")
+    assert [len(re.findall("normal|tangential", line)) for line in lines] == [[4], [2, 4]][
+        dimension - 1]
+    assert title.startswith("point 8: normal") and title.endswith("<b>fold</b>")
 
 
 @pytest.mark.parametrize("dimension", [1, 2])

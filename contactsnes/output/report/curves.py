@@ -109,4 +109,7 @@ def title_of(record, point):
     """A point in words: its number, its loads, its event."""
     event = record["event"][point]
     special = f" <b>{event.replace('_', ' ')}</b>" if event != "none" else ""
-    return f"point {point}: {loads(record, point, 4)}{special}"
+    told = loads(record, point, 4)
+    if "tangential displacement y" in told:  # more than the page is wide
+        told = told.replace(", tangential", ",<br>tangential", 1)
+    return f"point {point}: {told}{special}"
