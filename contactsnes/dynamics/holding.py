@@ -20,7 +20,7 @@ def lengths(rows, grid=None):
     return np.sqrt(grid.together(np.sum(np.square(np.abs(rows)), axis=-1)))
 
 
-def holding(rows, products, count, pair, least):
+def holding(held, count, pair, least):
     """Append a vector, made orthonormal to others, with its image; whether it was new. A generator,
     as of `in_step`.
 
@@ -29,22 +29,25 @@ def holding(rows, products, count, pair, least):
 
     Parameters
     ----------
-    rows : array (2, room, size), whose first ``count`` rows are orthonormal vectors and their
-        images; overwritten
-    products : array (room, room), products of the first with the second, overwritten
+    held : (rows, products, errors), overwritten: array (2, room, size), whose first ``count`` rows
+        are orthonormal vectors and their images; array (room, room), products of the first with the
+        second; array (room,), how large what rounding left of the images may be
     count : int
     pair : (vector, image)
     least : length of what is left of a vector that is not new
     """
+    rows, products, errors = held
     (basis, images), (vector, image) = rows[:, :count], pair
     *parts, square = yield np.append(basis @ vector, vector @ vector)
     norm, taken = math.sqrt(square), np.zeros(count)
+    astray = norm ** 2 * np.finfo(float).eps ** 2
     # Twice is enough (Giraud et al. 2005, Numer. Math. 101, 87), once where much is left.
     for again in range(2):
         if not norm > least:
             return False
         before, parts = norm, (yield basis @ vector) if again else np.array(parts)
         vector, taken = vector - parts @ basis, taken + parts
+        astray += np.sum((parts * errors[:count]) ** 2)
         norm = math.sqrt((yield vector @ vector))
         if norm > 0.5 * before:
             break
@@ -52,9 +55,22 @@ def holding(rows, products, count, pair, least):
         return False
     basis, images = rows[:, :count + 1]
     basis[-1], images[-1] = vector / norm, (image - taken @ images[:-1]) / norm
-    products[:count + 1, count], products[count, :count + 1] = yield np.array(
-        [basis @ images[-1], images @ basis[-1]])
+    errors[count] = math.sqrt(astray) / norm
+    yield from multiplying(held, count + 1)
     return True
+
+
+def multiplying(held, count):
+    """Multiply the last of some vectors with the images of all, and its image with these. A
+    generator, as of `in_step`.
+
+    Parameters
+    ----------
+    held, count : as of `holding`
+    """
+    (basis, images), products = held[0][:, :count], held[1]
+    products[:count, count - 1], products[count - 1, :count] = yield np.array(
+        [basis @ images[-1], images @ basis[-1]])
 
 
 def in_step(acts, grid=None):

@@ -133,6 +133,14 @@ def oriented(vector, operator=None):
     return np.copysign(1.0, first) * real
 
 
+def soft(found):
+    """Modes that tell where to begin at a next point: those of symmetries of which one is soft.
+
+    Where none is, any vectors are modes, of which some may be those of larger eigenvalues there.
+    """
+    return [part for part in found if part.values[0].real < STIFF]
+
+
 def summed(found):
     """Sums of modes of different symmetries, which can be told apart again: so that one vector
     carries one of each."""

@@ -7,11 +7,14 @@ import numpy as np
 
 from ..continuation.bifurcations import NEUTRAL
 from ..kernels.modes import ritz
-from .holding import holding, in_step, lengths, together
+from .holding import holding, in_step, lengths, multiplying, together
 from .sectors import Sectors, Together
 
 NEW = 1e-6
 """Length of what is left of a vector of length 1 that is new."""
+ASTRAY = 1e-8
+"""Error of an image, as rounding has grown from each vector that is hardly new to the next, from
+which on it is made anew: below what modes are accurate to."""
 ROOM = 24
 """Vectors that there is room for from the beginning: memory that is not used costs nothing."""
 
@@ -121,8 +124,11 @@ class Space:
         image = self.operator.apply(vector)
         parts = zip(self._sectors, self.by.parts(vector), self.by.parts(image))
         new = in_step([sector.appending(*pair) for sector, *pair in parts], self.grid)
-        for sector, is_new in zip(self._sectors, new):
+        for number, (sector, is_new) in enumerate(zip(self._sectors, new)):
             sector.count += is_new
+            if is_new and sector.astray:
+                again = self.operator.apply(self.by.whole(number, sector.newest))
+                in_step([sector.renewing(self.by.parts(again)[number])], self.grid)
         return image
 
     def only(self, among, vector):
@@ -160,6 +166,7 @@ class _Sector:
 
     def __init__(self, size, grid=None, compiled=False):
         self._rows, self._products = np.empty((2, ROOM, size)), np.empty((ROOM, ROOM))
+        self._errors = np.empty(ROOM)
         self._grid, self._compiled = grid, compiled
         self.clear()
 
@@ -173,12 +180,34 @@ class _Sector:
         while self.count + more > room:
             self._rows = np.concatenate([self._rows, np.empty_like(self._rows)], axis=1)
             self._products = np.pad(self._products, (0, room))
+            self._errors = np.pad(self._errors, (0, room))
             room *= 2
+
+    @property
+    def _held(self):
+        """What `holding.holding` appends to."""
+        return self._rows, self._products, self._errors
+
+    @property
+    def newest(self):
+        """The last vector."""
+        return self._rows[0, self.count - 1]
+
+    @property
+    def astray(self):
+        """Whether rounding may have grown in the image of the last vector."""
+        return self._errors[self.count - 1] > ASTRAY
+
+    def renewing(self, image):
+        """Take an image that was made anew for that of the last vector. A generator, as of
+        `holding.in_step`."""
+        self._rows[1, self.count - 1], self._errors[self.count - 1] = image, np.finfo(float).eps
+        return multiplying(self._held, self.count)
 
     def appending(self, vector, image):
         """Append a vector, if more than ``NEW`` of it is, with its image, as `holding.holding`."""
         self._make_room(1)
-        return holding(self._rows, self._products, self.count, (vector, image), NEW)
+        return holding(self._held, self.count, (vector, image), NEW)
 
     def run(self, kernel, shift, begin, count):
         """Append the vectors of a run in the library.
@@ -189,7 +218,7 @@ class _Sector:
         shift, begin, count : as of `Space.run`
         """
         self._make_room(count)
-        self.count = kernel.run(shift, begin, count, (self._rows, self._products, self.count))
+        self.count = kernel.run(shift, begin, count, self._held, self.count, ASTRAY)
 
     def modes(self, certain):
         """`Modes` of the projection, those after the unstable ones that are ``certain`` to be

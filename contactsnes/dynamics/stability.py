@@ -18,7 +18,7 @@ from ..options.fields import InputError
 from ..solvers.capabilities import asked, has_modes
 from ..solvers.core_zone import CoreOptions
 from .linearised import Overdamped, symmetries
-from .modes import ACCURATE, leading_modes, oriented, summed
+from .modes import ACCURATE, leading_modes, oriented, soft, summed
 from .parted import Parted
 from .projection import joined
 
@@ -140,7 +140,7 @@ class Stability:
                               accurate and max(accurate, FLAT) if fold else accurate, number,
                               FLAT if fold else NEUTRAL)
         self.system.totals["jacobian_products"] += operator.products - products
-        self._last = state, [operator.state(vector) for vector in summed(found)]
+        self._last = state, [operator.state(vector) for vector in summed(soft(found))]
         return joined(found)
 
     def _known(self, state, components):

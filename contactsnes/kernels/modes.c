@@ -1,6 +1,7 @@
 /* Overdamped motion linearised at a state (dynamics.linearised), and runs of Arnoldi's method that look for
    its modes. */
 #include "kernels.h"
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -88,24 +89,33 @@ void ritz(long count, long size, const double *basis, const double *images, long
     }
 }
 
-/* Appends a vector, made orthonormal to `count` others, with its image, and the products of vectors with
-   images, a matrix with rows for `room`; whether more than `least` of it was new (holding.holding). Vector
-   and image may stand where they are to be. */
-int hold(long count, long size, long room, double *basis, double *images, double *products, const double *vector,
-         const double *image, double least)
+/* The products of the last of `count` vectors with their images, and of its image with them. */
+static void multiply(long count, long size, long room, const double *basis, const double *images, double *products)
+{
+    const double *own = basis + (count - 1) * size, *moved = images + (count - 1) * size;
+    inner_with_rows(count, size, images, own, products + (count - 1) * room);
+    for (long k = 0; k < count; k++) products[k * room + count - 1] = inner(basis + k * size, moved, size);
+}
+
+/* Appends a vector, made orthonormal to `count` others, with its image, the products of vectors with images,
+   a matrix with rows for `room`, and how large what rounding left of the image may be; whether more than
+   `least` of it was new (holding.holding). Vector and image may stand where they are to be. */
+int hold(long count, long size, long room, double *basis, double *images, double *products, double *errors,
+         const double *vector, const double *image, double least)
 {
     double *own = basis + count * size, *moved = images + count * size, *part = products + count * room;
     if (own != vector) {
         memcpy(own, vector, size * sizeof *own);
         memcpy(moved, image, size * sizeof *own);
     }
-    double norm = sqrt(inner(own, own, size));
+    double norm = sqrt(inner(own, own, size)), square = norm * norm * DBL_EPSILON * DBL_EPSILON;
     /* twice is enough, once where much is left */
     for (int pass = 0; pass < 2 && count; pass++) {
         const double before = norm;
         inner_with_rows(count, size, basis, own, part);
         subtract_rows(count, size, basis, part, own);
         subtract_rows(count, size, images, part, moved);
+        for (long k = 0; k < count; k++) square += part[k] * part[k] * errors[k] * errors[k];
         norm = sqrt(inner(own, own, size));
         if (norm > 0.5 * before) break;
     }
@@ -114,8 +124,8 @@ int hold(long count, long size, long room, double *basis, double *images, double
         own[i] /= norm;
         moved[i] /= norm;
     }
-    inner_with_rows(count + 1, size, images, own, part);
-    for (long k = 0; k <= count; k++) products[k * room + count] = inner(basis + k * size, moved, size);
+    errors[count] = sqrt(square) / norm;
+    multiply(count + 1, size, room, basis, images, products);
     return 1;
 }
 
@@ -159,9 +169,10 @@ int overdamped_precondition(const Overdamped *o, double *x, double *out)
 }
 
 /* A run of `count` products on 1 - P^-1 (J - shift) from `begin`, which is overwritten; its vectors are
-   appended to `*held` others as `hold` does, for all of which there is room. */
+   appended to `*held` others as `hold` does, for all of which there is room. Images in which rounding may
+   have grown beyond `astray` are made anew. */
 int arnoldi(const Overdamped *o, double shift, double *begin, long count, long *held, long room, double *basis,
-            double *images, double *products)
+            double *images, double *products, double *errors, double astray)
 {
     const Form *f = o->form;
     const long size = f->components * f->nodes + f->forced_count;
@@ -184,7 +195,16 @@ int arnoldi(const Overdamped *o, double shift, double *begin, long count, long *
         if ((status = overdamped_precondition(o, right, begin))) return status;
         for (long i = 0; i < size; i++) begin[i] = own[i] - begin[i];
     }
-    for (long k = 0; k < made; k++)
-        *held += hold(*held, size, room, basis, images, products, rows + k * size, moved + k * size, 1e-6);
+    for (long k = 0; k < made; k++) {
+        double *own = basis + *held * size, *image = images + *held * size;
+        if (!hold(*held, size, room, basis, images, products, errors, rows + k * size, moved + k * size, 1e-6))
+            continue;
+        ++*held;
+        if (errors[*held - 1] <= astray) continue;
+        int status = overdamped_product(o, own, image);
+        if (status) return status;
+        errors[*held - 1] = DBL_EPSILON;
+        multiply(*held, size, room, basis, images, products);
+    }
     return 0;
 }

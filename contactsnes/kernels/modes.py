@@ -11,17 +11,17 @@ from .library import shared
 from .structures import address
 
 
-def hold(rows, products, count, pair, least):
+def hold(held, count, pair, least):
     """As `dynamics.holding.holding`.
 
     Parameters
     ----------
-    rows, products, count, pair, least : as of that
+    held, count, pair, least : as of that
     """
-    basis, images = rows
-    return bool(shared().hold(count, rows.shape[-1], len(products), address(basis),
-                              address(images), address(products), address(pair[0]),
-                              address(pair[1]), least))
+    (basis, images), products, errors = held
+    return bool(shared().hold(count, basis.shape[-1], len(products), address(basis),
+                              address(images), address(products), address(errors),
+                              address(pair[0]), address(pair[1]), least))
 
 
 def ritz(coefficients, values, basis, images):
@@ -75,7 +75,7 @@ class CompiledMotion:
         self._call(self.library.overdamped_precondition, address(vector), address(out))
         return out
 
-    def run(self, shift, begin, count, held):
+    def run(self, shift, begin, count, held, number, astray):
         """A run of products on 1 - P^-1 (J - shift); the number of vectors held then.
 
         Parameters
@@ -83,11 +83,13 @@ class CompiledMotion:
         shift : float
         begin : array, overwritten
         count : int, of products
-        held : (rows, products, number) that vectors are appended to, as of `holding.holding`,
-            with room for all of them
+        held : what vectors are appended to, as of `holding.holding`, with room for all of them
+        number : int, of vectors that are held
+        astray : error of an image from which on it is made anew
         """
-        (basis, images), products, number = held
+        (basis, images), products, errors = held
         counted = ctypes.c_long(number)
         self._call(self.library.arnoldi, shift, address(begin), count, ctypes.addressof(counted),
-                   len(products), address(basis), address(images), address(products))
+                   len(products), address(basis), address(images), address(products),
+                   address(errors), astray)
         return counted.value

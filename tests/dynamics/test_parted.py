@@ -152,13 +152,15 @@ def test_compiled_and_numpy_hold_the_same_vectors():
         return in_step([holding(*words)])[0]
 
     for act in (hold, compiled.hold):
-        rows, products, count = np.zeros((2, 10, size)), np.zeros((10, 10)), 0
+        held, count = (np.zeros((2, 10, size)), np.zeros((10, 10)), np.zeros(10)), 0
         for pair in zip(vectors, images):
-            count += act(rows, products, count, pair, 1e-6)
-        kept.append((count, rows[:, :count], products[:count, :count]))
+            count += act(held, count, pair, 1e-6)
+        rows, products, errors = held
+        kept.append((count, rows[:, :count], products[:count, :count], errors[:count]))
     assert kept[0][0] == kept[1][0] == len(vectors) - 1
     for expected, found in zip(kept[0][1:], kept[1][1:]):
         np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9)
+    assert kept[1][3][4] > 1e3 * kept[1][3][3] > 0.0  # of which a part of 1e-4 was new
     basis, images = kept[1][1]
     np.testing.assert_allclose(basis @ basis.T, np.eye(len(basis)), atol=1e-12)
     np.testing.assert_allclose(kept[1][2], basis @ images.T, atol=1e-9 * np.abs(images).max())

@@ -339,3 +339,28 @@ def test_a_mode_that_softens_in_one_step_is_found(spots, pitch, points, maugis, 
     expected = [np.sum(Cell(branch.contact, point).eigenvalues().real < -NEUTRAL)
                 for point in found]
     assert [point.unstable_modes for point in found] == expected and set(expected) == counts
+
+
+FLATS = {
+    "waves": ({"points": 48, "period": 7.165048459874749, "poisson": 0.45,
+               "normal_maugis": 1.199778481191915, "tangential_maugis": 0.8458118698848589,
+               "height": float("inf")}, "normal_displacement=0.0014",
+              "normal_displacement=-3.09; normal_displacement=0.0014", 1.0),
+    "the mean": ({"points": 32, "period": 16.233, "poisson": 0.3, "normal_maugis": 0.8,
+                  "tangential_maugis": 1.9, "height": 4.0},
+                 "normal_displacement=0.18", "normal_displacement=-4.47", 3.0)}
+
+
+@pytest.mark.parametrize("kernels", ("auto", "off"))
+@pytest.mark.parametrize("name", FLATS)
+def test_leading_eigenvalues_of_flats_are_those_of_the_dense_balance(name, kernels):
+    """Where the law acts everywhere alike many modes have nearly one eigenvalue: at a gap of one
+    range any vector is a mode, and Krylov vectors hardly differ. (An eigenvalue of 1 is told of
+    stiffer ones.)"""
+    scene, start, path, step = FLATS[name]
+    made = Branch(Scene(geometry="flat", law="xu_needleman", **scene), Load(start=start, path=path),
+                  Steps(stability="eigenvalue", initial_step=step, largest_step=step),
+                  Form(kernels=kernels))
+    for point in made:
+        expected = min(1.0, Cell(made.contact, point).eigenvalues()[0].real)
+        assert point.leading_eigenvalue.real == pytest.approx(expected, abs=2e-3)
