@@ -506,6 +506,21 @@ def test_no_entry_of_a_legend_is_cut(tmp_path, name):
             assert figure.axes[0].get_window_extent().width > 0.7 * figure.bbox.width
 
 
+def test_no_power_of_ten_is_under_a_legend(tmp_path):
+    rows = [{**row, "approach": 1e-9 * place, "normal_force": place}
+            for place, row in enumerate(shear())]
+    record = read(archive_of(tmp_path / "run.h5", [(row, ()) for row in rows]).path)
+    with rc_context(style.STYLE):
+        for y, factor in (("approach", True), ("normal_force", False)):
+            figure = curves.draw_columns([record], ["contact_area", y])
+            figure.draw_without_rendering()
+            axes = figure.axes[0]
+            power, legend = axes.yaxis.offsetText, axes.get_legend()
+            assert bool(power.get_text()) == factor
+            below = power.get_window_extent().y1 if factor else axes.get_window_extent().y1
+            assert 0 <= legend.get_window_extent().y0 - below < 12
+
+
 def test_size_style_and_columns(tmp_path):
     archive_of(tmp_path / "run.h5", [(row, ()) for row in shear()])
     figures = plot(tmp_path / "run.h5", size=(12.0, 6.0), style="ggplot",

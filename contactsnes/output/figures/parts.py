@@ -122,17 +122,26 @@ def place_legend(axes, handles, title=None):
     for handle in handles:
         handle.set_label(textwrap.fill(handle.get_label(), LONGEST))
     most = min(len(handles), 3 if max(len(one.get_label()) for one in handles) < 12 else 2)
-    room = ROOM * 72 * axes.figure.get_size_inches()[0]
+    size = FontProperties(size=matplotlib.rcParams["legend.fontsize"]).get_size_in_points()
+    above = _above(axes)
+    room = ROOM * 72 * axes.figure.get_size_inches()[0] / size - above
     columns = next((count for count in range(most, 1, -1) if _width(handles, count) < room), 1)
     axes.legend(handles=handles, title=title, loc="lower left", bbox_to_anchor=(0, 1), ncol=columns,
-                borderaxespad=0.2, **SPACES)
+                borderaxespad=above, **SPACES)
+
+
+def _above(axes):
+    """Room around a legend, heights of its letters: the power of ten of the numbers along y stands
+    below it, where they have one."""
+    formatter = axes.yaxis.get_major_formatter()
+    formatter.set_locs(axes.get_yticks())
+    return 1.8 if formatter.get_offset() else 0.2
 
 
 def _width(handles, columns):
-    """Width of a legend with so many columns, points."""
-    size = FontProperties(size=matplotlib.rcParams["legend.fontsize"]).get_size_in_points()
-    texts = [TextPath((0, 0), handle.get_label(), size=size).get_extents().width
+    """Width of a legend with so many columns, heights of its letters."""
+    before = SPACES["handlelength"] + SPACES["handletextpad"]
+    texts = [before + TextPath((0, 0), handle.get_label(), size=1).get_extents().width
              for handle in handles]
-    before = size * (SPACES["handlelength"] + SPACES["handletextpad"])
-    return size * SPACES["columnspacing"] * (columns - 1) + sum(
-        before + max(part) for part in np.array_split(texts, columns))
+    return SPACES["columnspacing"] * (columns - 1) + sum(
+        max(part) for part in np.array_split(texts, columns))
