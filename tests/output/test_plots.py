@@ -344,6 +344,17 @@ def test_labels_have_symbol_and_unit(unit, text):
     assert words.label("force", "W", unit) == text
 
 
+@pytest.mark.parametrize("name, unit, text", [
+    ("wall_time", "s", "wall time (s)"), ("spots", "", "spots"),
+    ("residual_norm", "ranges of the law", "residual norm\n(ranges of the law)"),
+    ("external_work", "w_n,r u_n,r", "external work\n($w_{n,r} u_{n,r}$)")])
+def test_labels_of_columns_are_not_longer_than_a_panel(name, unit, text):
+    class Record:
+        units = {name: unit}
+
+    assert words.column_label(Record, name) == text
+
+
 def test_loads_of_rounding_are_none_in_titles():
     class Record(dict):
         units, coordinates = {"tangential_displacement": "u_t,r"}, [None]

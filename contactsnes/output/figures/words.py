@@ -31,6 +31,9 @@ def word(name):
     return str(name).replace("_", " " if name == "gross_sliding" else "-")
 
 
+LONG = 22
+"""Letters of a label that a panel has room for."""
+
 SYMBOLS = {
     "normal_force": ("normal force", "W_n"),
     "approach": ("approach", r"\bar{d}"),
@@ -48,9 +51,11 @@ def column_label(record, name):
                        else ("contact length", "2a")), unit)
     plain = name.removesuffix("_x").removesuffix("_y")
     if plain not in SYMBOLS:
-        scale = in_latex(unit)
-        return " ".join([name.replace("_", " "),
-                         *([f"({unit})" if scale == unit else f"(${scale}$)"] if unit else [])])
+        scale, words = in_latex(unit), name.replace("_", " ")
+        told = f"({unit})" if scale == unit else f"(${scale}$)"
+        # of a long one the unit is on a line of its own
+        between = "\n" if len(words) + len(unit) > LONG else " "
+        return f"{words}{between}{told}" if unit else words
     return label(*word_and_symbol(name), unit)
 
 
