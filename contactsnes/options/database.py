@@ -243,7 +243,8 @@ def check_values(classes):
     refuse_values(entries, NESTS)
     for head in sorted({_head(name, own) for name in entries if not name.startswith(own)} | {""}):
         for cls in classes:
-            instance(cls, entries, head)
+            if any(name.startswith(head + cls.prefix) for name in entries):
+                instance(cls, entries, head)
 
 
 def petsc_sentence(error):

@@ -8,7 +8,7 @@ is delta_n = u_n,r / normal_maugis and delta_t = u_t,r / tangential_maugis.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import ClassVar
 
 from ..interface import bodies, laws, shapes
@@ -165,8 +165,9 @@ class Scene(Units):
 def changed(scene, **values):
     """A scene with other values of some options, known to be allowed: `dataclasses.replace`, which
     looks at all of them anew, takes as long as a solve on a coarse grid."""
-    made = object.__new__(type(scene))
-    vars(made).update({field.name: getattr(scene, field.name) for field in fields(scene)}, **values)
+    made, known = object.__new__(type(scene)), scene.__dataclass_fields__
+    vars(made).update({name: value for name, value in vars(scene).items() if name in known},
+                      **values)
     return made
 
 
