@@ -420,6 +420,10 @@ def test_measured_points_stand_where_their_units_say(tmp_path):
     record.units["contact_area"] = record.stored_units["contact_area"] = "m^2"
     table = measured.Measured(measured_file(tmp_path / "si.csv", "contact_area [mm²];x\n2;1\n"))
     assert table.values(record, "contact_area") == pytest.approx([2e-6], rel=1e-12)
+    for sign in ("µ", "\N{GREEK SMALL LETTER MU}", "u"):
+        table = measured.Measured(measured_file(tmp_path / "si.csv",
+                                                f"contact_area [{sign}m^2]\n2\n"))
+        assert table.values(record, "contact_area") == pytest.approx([2e-12], rel=1e-12)
     # errors are in the unit of what they are errors of, unless they have one
     for unit, size in (("", 3e-8), (" [m^2]", 0.03)):
         table = measured.Measured(measured_file(
@@ -430,6 +434,7 @@ def test_measured_points_stand_where_their_units_say(tmp_path):
 @pytest.mark.parametrize("text, word", [
     ("", "no heading"), ("contact_area\n1,2\n", "row 1 is '1,2': 1 numbers"),
     ("tangential_force,contact_area\n1,wide\n", "row 1 is '1,wide'"),
+    ("contact_area,contact_area,tangential_force\n1,2,3\n", "has two columns contact_area"),
     ("tangential_force [N],contact_area\n1,2\n", "is in 'N', but the archive has it in 'w_t,r'"),
     ("tangential_force,contact_aria\n1,2\n", "did you mean contact_area"),
     ("tangential_force,contact_area,error\n1,2,3\n", "column error is unknown: errors of a column"),

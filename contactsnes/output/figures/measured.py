@@ -59,6 +59,9 @@ class Measured:
             raise InputError(f"-plot_with is '{path}', which has no heading of names and rows of "
                              "numbers: write for instance tangential_force,contact_area [mm^2] "
                              "above the numbers")
+        names = [match["name"] for match in found]
+        if twice := [name for name in names if names.count(name) > 1]:
+            raise InputError(f"-plot_with is '{path}', which has two columns {twice[0]}: leave one")
         self.units = {match["name"]: match["unit"] or "" for match in found}
         table = [self._numbers(number, row, len(heading)) for number, row in enumerate(rows, 1)]
         self.columns = dict(zip(self.units, np.array(table).T))
@@ -82,8 +85,9 @@ class Measured:
 
     def _size(self, record, name):
         """Size of a column's unit in that of the archive."""
-        typed = self.units[name] or self.units.get(_plain(name), "")
-        typed, known = SQUARE.sub("^2", typed), record.stored_units[_plain(name)]
+        typed = SQUARE.sub("^2", self.units[name] or self.units.get(_plain(name), ""))
+        typed = typed.replace("\N{GREEK SMALL LETTER MU}", "µ")  # as keyboards have it
+        known = record.stored_units[_plain(name)]
         if typed in ("", known):
             return 1.0
         power = 2 if known.endswith("^2") else 1
