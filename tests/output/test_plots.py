@@ -11,7 +11,7 @@ from matplotlib.image import imread
 from contactsnes.commands import cli
 from contactsnes.options.fields import InputError
 from contactsnes.output.archive import Archive
-from contactsnes.output.asked import PlotOptions
+from contactsnes.output.asked import MovieOptions, PlotOptions
 from contactsnes.output.columns import Column
 from contactsnes.output.figures import (
     curves,
@@ -577,6 +577,29 @@ def test_maps_have_room_for_their_ticks_and_titles(tmp_path):
             assert len(boxes) > 1 and all(one.x1 < other.x0 for one, other in zip(boxes, boxes[1:]))
         titles = [axes.title.get_window_extent() for axes in figure.axes[:3]]
         assert all(one.x1 < other.x0 for one, other in zip(titles, titles[1:]))
+
+
+@pytest.mark.parametrize("largest, texts", [
+    (0.1234, ["\N{MINUS SIGN}0.12", "0", "0.12"]), (84.4, ["\N{MINUS SIGN}84", "0", "84"]),
+    (150.6, ["\N{MINUS SIGN}151", "0", "151"]), (1071.2, ["\N{MINUS SIGN}1071", "0", "1071"])])
+def test_numbers_at_bars_of_colours_have_no_exponents(largest, texts):
+    class Bar:
+        def set_ticks(self, ticks, labels):
+            self.texts = labels
+
+    bar = Bar()
+    maps.mark_bar(bar, (-largest, 0, largest))
+    assert bar.texts == texts
+
+
+def test_maps_in_motion_have_the_ends_of_pressure_and_attraction_at_their_bar(tmp_path):
+    record = read(plane_archive(tmp_path / "run.h5", shear(1.5, 10, "_x")[:2]).path)
+    pressures = [-record.field("traction", point)[0] for point in (0, 1)]
+    scenes = movie._scenes(record, MovieOptions())
+    scenes.figure.draw_without_rendering()
+    told = [[text.get_text() for text in axes.get_xticklabels()] for axes in scenes.figure.axes]
+    ends = [words.number(end(pressures), 2) for end in (np.min, np.max)]
+    assert [ends[0], "0", ends[1]] in told
 
 
 def test_no_label_of_the_figure_of_a_surface_is_cut(tmp_path):

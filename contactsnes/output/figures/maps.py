@@ -107,9 +107,14 @@ def draw_row(figure, line, record, row, gaps):
                           aspect=14, extend="max" if row.text == "gap" else "neither")
     if isinstance(row.norm, TwoSlopeNorm):
         norm = row.norm
-        ticks = (norm.vmin, norm.vmin / 2, 0, norm.vmax / 2, norm.vmax)
-        digits = 2 if max(-norm.vmin, norm.vmax) < 99.5 else 3
-        bar.set_ticks(ticks, labels=[number(tick, digits) for tick in ticks])
+        mark_bar(bar, (norm.vmin, norm.vmin / 2, 0, norm.vmax / 2, norm.vmax))
+
+
+def mark_bar(bar, ticks):
+    """Put ticks at a bar of colours, with two digits or, where they are large, all before the
+    point."""
+    digits = max(2, len(f"{max(map(abs, ticks)):.0f}"))
+    bar.set_ticks(ticks, labels=[number(tick, digits) for tick in ticks])
 
 
 def draw_map(axes, coordinates, values, colormap, norm):

@@ -18,7 +18,7 @@ from ..prefixes import read
 from ..tables import replaced
 from .data import NothingToShow, along_load, contact_region, fields, free_of_rounding, inside, shear
 from .encoding import ending, write_gif, write_mp4
-from .maps import draw_edge, draw_map, edge, rows
+from .maps import draw_edge, draw_map, edge, mark_bar, rows
 from .parts import draw_branch
 from .profiles import panels, zoom
 from .style import STYLE, ZERO, settings
@@ -224,8 +224,7 @@ def _plane(record, points, width):
                               label=label(row.text, row.symbol, row.unit),
                               extend="max" if row.text == "gap" else "neither")
         if isinstance(row.norm, TwoSlopeNorm):
-            ticks = (row.norm.vmin, 0, row.norm.vmax)
-            bar.set_ticks(ticks, labels=[number(tick, 2) for tick in ticks])
+            mark_bar(bar, (row.norm.vmin, 0, row.norm.vmax))
         # Outside of the map, which is drawn anew for each point.
         axes.tick_params(labelleft=axes is stack[0], direction="out", top=False, right=False)
     stack[0].set_ylabel(label("", "y", record.units["y"]))
