@@ -139,10 +139,11 @@ class ArcLengthSteps(FoldingSteps):
         for event in events_between(self.history[-1][1], point):
             found = locate(self.system, self.leg, event, self.history[-1][1], point)
             if found is not point:
-                examined = None
+                examined, before = None, self.history[-1][0]
                 yield from self._certified(found)
-                if self.stopped:
-                    return
+                turned = (found.position - before) * (point.position - found.position) < 0.0
+                if self.stopped or turned and point.event != "fold":
+                    return  # the next step meets a fold that the places of this one did not show
         yield from self._certified(point, examined)
 
     def _certified(self, point, examined=None):

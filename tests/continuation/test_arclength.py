@@ -398,3 +398,17 @@ def test_what_the_position_counts_follows_the_points():
     assert steps._pace == pytest.approx(PACE * 6.0 / 0.35)
     steps.history[-2:] = steps.history[-2:][::-1]
     assert steps._pace == pytest.approx(PACE * 10.0 / 0.45)
+
+
+def test_a_fold_next_to_an_event_is_met():
+    """The body loses its last contact a millionth of the leg before the fold: the place of the
+    event hid that the branch turns back in that step."""
+    scene = {"points": 106, "period": 21.80762318759686, "normal_maugis": 1.9667202247093578,
+             "height": float("inf")}
+    found = [followed(scene, "normal_displacement=0.3", "normal_displacement=-5.023", type=kind)
+             for kind in ("natural", "arclength")]
+    folds, others = ([point.position for point in points if point.event == "fold"]
+                     for _, points, _ in found)
+    assert len(folds) == 2 and others == pytest.approx(folds, abs=1e-8)
+    events = [point.event for point in found[1][1] if point.event]
+    assert events == ["fold", "pull_off", "fold"]
