@@ -30,7 +30,7 @@ def coarser(system, contact, tolerance):
             and asked().has_tangent):
         return None
     coarse = system.on(contact, tolerance)
-    coarse.totals = system.totals
+    coarse.totals, coarse.leads = system.totals, True
     return coarse
 
 

@@ -58,6 +58,7 @@ class Corrector:
 
     prefix = ""  # of the options of its SNES
     certified = False  # whether somebody looks for the modes of its points
+    leads = False  # whether its points only lead to those of a finer grid
 
     def __init__(self, contact, settings, log=lambda sentence: None, tolerance=None):
         self.contact = contact
@@ -250,7 +251,7 @@ class Corrector:
         States that only lead to others, on coarser grids or at a given approach, have that of their
         solver.
         """
-        if ((self.tolerance is not None or APPROACH in form.controls)
+        if ((self.leads or APPROACH in form.controls)
             and form.in_displacements and of_snes(self.snes).has_tangent):
             return Imbalance(self.contact.grid.norm(self.snes.getFunction()[0].getArray(
                 readonly=True)), np.nan)
