@@ -407,6 +407,18 @@ def test_several_archives_stand_in_one_figure(tmp_path):
     assert texts[:2] == ["one", "two"] and texts.count("jump") == 1
 
 
+@pytest.mark.parametrize("displacement", ["approach", "normal_displacement"])
+def test_measured_loads_stand_beside_the_curves_of_their_displacement(tmp_path, displacement):
+    archive_of(tmp_path / "run.h5", [(row, ()) for row in loading(compliance=0.3)])
+    records = [read(tmp_path / "run.h5")] * 2
+    table = measured.Measured(measured_file(
+        tmp_path / "points.csv", f"{displacement},normal_force\n1,2\n"))
+    axes = curves.together(records, [table])["approach"]().axes[0]
+    assert table.used and axes.containers
+    drawn = np.concatenate([line.get_xdata() for line in axes.lines if len(line.get_xdata()) > 10])
+    assert np.isin(drawn, records[0][displacement]).all()
+
+
 def test_measured_points_stand_where_their_units_say(tmp_path):
     record = read(archive_of(tmp_path / "run.h5", [(row, ()) for row in shear()]).path)
     table = measured.Measured(measured_file(

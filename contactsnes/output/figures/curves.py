@@ -103,7 +103,10 @@ def together(records, measured):
         if not any(varies(record[name][unsheared(record)]) for record in records
                    for name in ("approach", "normal_force")):
             raise NothingToShow("the normal load does not move")
-        return draw_columns(records, ["approach", "normal_force"], measured, unsheared)
+        # beside points that are measured at the top
+        top = any("normal_displacement" in table.columns for table in measured)
+        return draw_columns(records, ["normal_displacement" if top else "approach",
+                                      "normal_force"], measured, unsheared)
 
     return {"shear": lambda: sheared(["tangential_displacement", "tangential_force",
                                       "contact_area"]),
