@@ -7,6 +7,7 @@ import numpy as np
 
 from ..contact import nearing, states
 from ..contact.problem import FORCE
+from ..contact.survey import gaps as surveyed_gaps
 from ..interface.laws.law import slip_of
 from ..scene.resolution import PINNING, resolution
 
@@ -63,6 +64,10 @@ class Ends:
         if free and not point.in_contact and self.contact.grid.minimum(
                 gap) > self.contact.law.range:
             return "it has left the range of the law"
+        pressed = heading * leg.direction[0] > 0.0
+        if (point.controls[0] == FORCE and point.in_contact and not pressed
+            and self._acts_nowhere(point.state)):
+            return "slip has taken what held the surfaces together"
         if FORCE in point.controls[1:] and point.in_contact:
             slip = slip_of(point.state.displacement)
             touching = gap < self.contact.scene.contact_threshold
@@ -110,6 +115,13 @@ class Ends:
             return nearing.held(self.contact, point.state)
         free = point.controls[0] == FORCE and not point.in_contact
         return nearing.within_range(self.contact, point.state) if free else None
+
+    def _acts_nowhere(self, state):
+        """Whether the law neither pulls nor pushes at any gap around a state's, to rounding: slip
+        has exhausted it."""
+        law, gaps = self.contact.law, surveyed_gaps(self.contact, state)
+        acts = max(np.abs(law.traction(gaps)[0]).max(), np.abs(law.tangent(gaps)[0, 0]).max())
+        return self.contact.grid.largest(acts) < LEVEL * law.normal_peak
 
     def _glides(self, point):
         """Whether a body in contact that a tangential force moves slips so far everywhere that its

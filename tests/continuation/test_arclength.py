@@ -412,3 +412,15 @@ def test_a_fold_next_to_an_event_is_met():
     assert len(folds) == 2 and others == pytest.approx(folds, abs=1e-8)
     events = [point.event for point in found[1][1] if point.event]
     assert events == ["fold", "pull_off", "fold"]
+
+
+@pytest.mark.parametrize("held", ["", "normal_force=hold; "])
+@pytest.mark.parametrize("kind", ["natural", "arclength"])
+def test_a_branch_ends_where_slip_has_taken_the_law(kind, held):
+    """Surfaces that slipped so far that nothing pulls any more are not followed through noise."""
+    scene = {"points": 16, "period": 5.0, "normal_maugis": 2.0, "geometry": "flat", "height": 50.0,
+             "poisson": 0.283, "tangential_maugis": 0.713, "residual_friction": 0.0}
+    _, points, error = followed(scene, "normal_displacement=0.775",
+                                f"{held}tangential_displacement=95.9; normal_force=-0.45", type=kind)
+    assert isinstance(error, NoEquilibrium) and "slip has taken" in str(error)
+    assert len(points) < 150 and abs(points[-1].forces[0]) < 1e-8
