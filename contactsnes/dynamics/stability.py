@@ -63,7 +63,7 @@ class Stability:
         self.contact = system.contact
         self.kind = kind
         self.options = read(CoreOptions, system.prefix)
-        self._operator = self._key = self._last = None
+        self._operator = self._key = self._last = self._unstable = None
         self._silent = told
 
     def __call__(self, point):
@@ -73,7 +73,7 @@ class Stability:
             self.system.log(CERTIFIED)
             self._silent = True
         try:
-            modes = self.modes(point, ACCURATE if self.kind == EIGENVALUE else None)
+            modes = self._counted(point, ACCURATE if self.kind == EIGENVALUE else None)
         except NotConverged as error:
             # A point without a certificate is not stable by it, and no reason to lose the path.
             self.system.log(f"{error}: it is not certified, and counts as not stable")
@@ -87,6 +87,16 @@ class Stability:
         found = point.changed(stable=int(modes.leading.real > NEUTRAL and point.event != "fold"),
                               unstable_modes=unstable)
         return found if self.kind == SIGN else self._with_leading(found, modes, 0)
+
+    def _counted(self, point, accurate):
+        """`modes` of a point; looked for from noise as well where their number has changed, for
+        modes of two symmetries may lose their stability at once, and one be missed by both."""
+        modes = self.modes(point, accurate)
+        if self._unstable not in (None, modes.unstable):
+            self._last = None
+            modes = max(self.modes(point, accurate), modes, key=lambda found: found.unstable)
+        self._unstable = modes.unstable
+        return modes
 
     def critical(self, point, number):
         """(real part of eigenvalue ``number``, the point with it as its leading one), to high

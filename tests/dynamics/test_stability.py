@@ -364,3 +364,20 @@ def test_leading_eigenvalues_of_flats_are_those_of_the_dense_balance(name, kerne
     for point in made:
         expected = min(1.0, Cell(made.contact, point).eigenvalues()[0].real)
         assert point.leading_eigenvalue.real == pytest.approx(expected, abs=2e-3)
+
+
+def test_modes_of_two_symmetries_that_lose_their_stability_at_once_are_both_counted():
+    """Waves of a flat come in pairs, one even and one odd, which both symmetries may miss."""
+    scene = Scene(geometry="flat", points=44, period=26.62779626357976, poisson=0.3, law="dugdale",
+                  normal_maugis=1.232545857334401, tangential_maugis=0.5566276020415379,
+                  residual_friction=0.38194014799688764, height=float("inf"), dugdale_width=0.5,
+                  body="coated", coating_normal=0.6028657323892129, coating_tangential=0.1)
+    made = Branch(scene, Load(start="normal_displacement=0.1", path="normal_displacement=-1.45"),
+                  Steps(stability="sign", initial_step=0.05, largest_step=0.05))
+    counts = []
+    for point in made:
+        if point.event is None:
+            values = Cell(made.contact, point).eigenvalues().real
+            assert point.unstable_modes == np.sum(values < -NEUTRAL)
+            counts.append(point.unstable_modes)
+    assert point.position == 1.0 and max(counts) >= 6
