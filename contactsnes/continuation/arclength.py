@@ -46,7 +46,10 @@ class ArcLengthSteps(FoldingSteps):
         self._restart()
         failures, again = 0, after_failure(self.predictor)
         while not self.stopped and self.history[-1][0] != 1.0:
-            self._check_end()
+            why = self._why_it_ends()
+            if why:
+                yield from self._end_of_attraction(why)
+                continue
             if len(self.history) == 1:
                 yield from self._begin()
                 continue
@@ -169,10 +172,15 @@ class ArcLengthSteps(FoldingSteps):
             self.departed = fold
             yield from self._leave(fold, departures.starts(self.system, fold, beyond.state))
 
-    def _check_end(self):
-        """Raise NoEquilibrium where the branch does not lead to the end of the leg."""
+    def _leave(self, fold, starts):
+        """What follows a fold: what follows it elsewhere, but traces go on along the branch."""
+        if self.at_fold != "trace":
+            yield from super()._leave(fold, starts)
+
+    def _why_it_ends(self):
+        """Why the branch does not lead to the end of the leg, NoEquilibrium; None where it may."""
         if len(self.history) < 2:
-            return
+            return None
         (before, previous), (here, last) = self.history[-2:]
         why = self.system.end_of_branch(last, self.leg, self.heading)
         if here == 0.0 < before:
@@ -180,6 +188,18 @@ class ArcLengthSteps(FoldingSteps):
         if self.steps > 5 and max(self._way(self.begun, previous),
                                   self._way(self.begun, last)) < self._way(previous, last):
             why = "it closes on itself"
-        if why:
-            raise NoEquilibrium(
-                f"the branch does not lead to {self._place(1.0)}: {why}, at {self._place(here)}")
+        return why and NoEquilibrium(
+            f"the branch does not lead to {self._place(1.0)}: {why}, at {self._place(here)}")
+
+    def _end_of_attraction(self, why):
+        """The fold, and what follows it, at which the equilibria of a body end that is attracted
+        less and less; where its branch ends for another reason, that is raised.
+
+        Parameters
+        ----------
+        why : NoEquilibrium
+        """
+        here, last = self.history[-1]
+        if last.event == "fold" or self.system.end_of_attraction(last, self.leg, here) is None:
+            raise why
+        yield from self._fold(NotConverged(str(why)))

@@ -424,3 +424,22 @@ def test_a_branch_ends_where_slip_has_taken_the_law(kind, held):
                                 f"{held}tangential_displacement=95.9; normal_force=-0.45", type=kind)
     assert isinstance(error, NoEquilibrium) and "slip has taken" in str(error)
     assert len(points) < 150 and abs(points[-1].forces[0]) < 1e-8
+
+
+@pytest.mark.parametrize("at_fold", ["jump", "trace"])
+def test_an_attraction_that_ends_is_a_fold_for_steps_of_any_length(at_fold):
+    """Off the flat a growing force leads out of the law's range: there the body jumps in, or its
+    trace ends."""
+    reached = []
+    for kind, size in (("natural", 0.1), ("arclength", 0.5), ("arclength", 0.02)):
+        _, points, error = followed(SOFT, "normal_displacement=-3", "normal_force=0.1", type=kind,
+                                    at_fold=at_fold, initial_step=size, largest_step=size)
+        told = [(point.event, point.fold_kind) for point in points if point.event]
+        assert told[0] == ("fold", "jump_in") and folds(points)[0].load[0] == pytest.approx(
+            0.0, abs=1e-12)
+        if at_fold == "trace":
+            assert len(told) == 1 and "left the range of the law" in str(error)
+        else:
+            assert error is None and points[-1].load[0] == 0.1
+            reached.append(points[-1].displacements[0])
+    np.testing.assert_allclose(reached, reached[:1] * len(reached), rtol=1e-7)
