@@ -47,11 +47,8 @@ class ArcLengthSteps(FoldingSteps):
         failures, again = 0, after_failure(self.predictor)
         while not self.stopped and self.history[-1][0] != 1.0:
             why = self._why_it_ends()
-            if why:
-                yield from self._end_of_attraction(why)
-                continue
-            if len(self.history) == 1:
-                yield from self._begin()
+            if why or len(self.history) == 1:
+                yield from self._end_of_attraction(why) if why else self._begin()
                 continue
             here, last = self.history[-1]
             self.length = self.length or self._way(self.history[-2][1], last)

@@ -74,11 +74,9 @@ class FoldingSteps(ArcSteps):
             return None, False
         limit = LimitPoint(self.system, self.leg, last, point, heading if last.event == "fold"
                            else 0.0)
-        if limit.left.slope == limit.right.slope == 0.0:  # nothing acts, and no load turns
-            return None, False
         late = last.event != "fold" and limit.left.slope * heading < 0.0
-        if (not late and limit.right.slope * heading > 0.0 and mean * heading > 0.0
-            and not limit.turns_between(heading)):
+        if limit.level or (not late and limit.right.slope * heading > 0.0 and mean * heading > 0.0
+                           and not limit.turns_between(heading)):
             # The next step begins next to a fold, or on a plateau, where its own mean tells little.
             self.level = (point.state if limit.right.slope * heading < TURNING * limit.rate
                           * heading else None)

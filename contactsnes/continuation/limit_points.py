@@ -75,6 +75,11 @@ class LimitPoint:
         return self.sign * self.right.slope <= 0.0
 
     @property
+    def level(self):
+        """Whether the load stands still: where nothing acts, none turns."""
+        return self.left.slope == self.right.slope == 0.0
+
+    @property
     def rate(self):
         """Mean d(position)/d(place) in between."""
         return (self.right.point.position - self.left.point.position) / (self.right.place

@@ -420,8 +420,8 @@ def test_a_branch_ends_where_slip_has_taken_the_law(kind, held):
     """Surfaces that slipped so far that nothing pulls any more are not followed through noise."""
     scene = {"points": 16, "period": 5.0, "normal_maugis": 2.0, "geometry": "flat", "height": 50.0,
              "poisson": 0.283, "tangential_maugis": 0.713, "residual_friction": 0.0}
-    _, points, error = followed(scene, "normal_displacement=0.775",
-                                f"{held}tangential_displacement=95.9; normal_force=-0.45", type=kind)
+    path = f"{held}tangential_displacement=95.9; normal_force=-0.45"
+    _, points, error = followed(scene, "normal_displacement=0.775", path, type=kind)
     assert isinstance(error, NoEquilibrium) and "slip has taken" in str(error)
     assert len(points) < 150 and abs(points[-1].forces[0]) < 1e-8
 

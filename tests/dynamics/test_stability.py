@@ -372,7 +372,7 @@ def test_modes_of_two_symmetries_that_lose_their_stability_at_once_are_both_coun
                   normal_maugis=1.232545857334401, tangential_maugis=0.5566276020415379,
                   residual_friction=0.38194014799688764, height=float("inf"), dugdale_width=0.5,
                   body="coated", coating_normal=0.6028657323892129, coating_tangential=0.1)
-    made = Branch(scene, Load(start="normal_displacement=0.1", path="normal_displacement=-1.45"),
+    made = Branch(scene, Load(start="normal_displacement=-1.2", path="normal_displacement=-1.36"),
                   Steps(stability="sign", initial_step=0.05, largest_step=0.05))
     counts = []
     for point in made:
