@@ -197,6 +197,10 @@ class ArcLengthSteps(FoldingSteps):
         why : NoEquilibrium
         """
         here, last = self.history[-1]
-        if last.event == "fold" or self.system.end_of_attraction(last, self.leg, here) is None:
+        # (what loads off the flat change by is rounding at last)
+        ends = (self.heading > 0.0 or not last.in_contact) and self.system.end_of_branch(
+            last, self.leg, self.heading)
+        if (not ends or last.event == "fold"
+            or self.system.end_of_attraction(last, self.leg, here) is None):
             raise why
         yield from self._fold(NotConverged(str(why)))
