@@ -5,9 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..contact import nearing, states
+from ..contact import nearing, states, survey
 from ..contact.problem import FORCE
-from ..contact.survey import gaps as surveyed_gaps
 from ..interface.laws.law import slip_of
 from ..scene.resolution import PINNING, resolution
 
@@ -119,9 +118,13 @@ class Ends:
     def _acts_nowhere(self, state):
         """Whether the law neither pulls nor pushes at any gap around a state's, to rounding: slip
         has exhausted it."""
-        law, gaps = self.contact.law, surveyed_gaps(self.contact, state)
-        acts = max(np.abs(law.traction(gaps)[0]).max(), np.abs(law.tangent(gaps)[0, 0]).max())
-        return self.contact.grid.largest(acts) < LEVEL * law.normal_peak
+        contact, least = self.contact, LEVEL * self.contact.law.normal_peak
+
+        def acting(values):  # (a process may have no nodes)
+            return contact.grid.maximum(np.abs(values), initial=0.0) >= least
+
+        return not (acting(survey.tractions(contact, state)[:1]) or acting(
+            contact.law.tangent(survey.gaps(contact, state))[0, 0]))
 
     def _glides(self, point):
         """Whether a body in contact that a tangential force moves slips so far everywhere that its
