@@ -1,6 +1,7 @@
 """Files of heights, as they are: numbers, and the size and unit that they tell. Files are data:
 nothing in them is executed."""
 
+import codecs
 import importlib.util
 import math
 import re
@@ -24,6 +25,13 @@ UNEVEN = 0.02
 """Part of a step by which places of points may miss a regular grid."""
 HEAD = 4096
 """Bytes that tell a file of text, which has none that is 0."""
+WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+"""How text of two bytes a letter begins, as spreadsheets write it."""
+NO_NUMBER = re.compile(r"#(?=N/A|NV\b|[A-Z/0]+[!?]|(?:QNAN|QNB|SNAN|IND|INF)\d*\b)")
+"""In what spreadsheets and the C of Windows write for no number (#N/A, 1.#QNAN), a sign that begins
+no comment."""
+NO_HEIGHT = re.compile(r"nodata\w*[\s=:]+([-+]?\d[-+.\deE]*)", re.IGNORECASE)
+"""How a heading tells the number that stands for no height."""
 WITH_COMMAS = (";", "\t")
 """What may separate numbers that have decimal commas."""
 FEWEST = 6
@@ -99,14 +107,25 @@ def _read_dataset(filename, dataset):
 
 def _read_map(filename, _=""):
     """A map as rows of numbers; of a file that is no text, what an instrument wrote under the same
-    ending; ValueError for places and heights in columns."""
-    if b"\0" in Path(filename).read_bytes()[:HEAD] and _has_library():
+    ending; ValueError for places, in columns or beside the heights."""
+    head = Path(filename).read_bytes()[:HEAD]
+    if b"\0" in head and not head.startswith(WIDE) and _has_library():
         return _read_instrument(filename)
     found = _read_table(filename)
     if found.ndim == 2 and found.shape[1] in (2, 3) and _are_points(found):
         raise ValueError(f"its {found.shape[1]} columns seem to be places and heights; call it "
                          "FILE.xyz to have it read so")
+    for which, table in (("column", found), ("row", found.T)):
+        if found.ndim == 2 and len(table.T) > 1 and _are_places(table):
+            raise ValueError(f"its first {which} seems to be places, evenly spaced, and no heights "
+                             "as the next one; take places out, or save the map as FILE.npy")
     return found
+
+
+def _are_places(table):
+    """Whether the first column rises evenly below its corner, and the second does not."""
+    first, second = table[1:, :2].T
+    return len(first) >= FEWEST and _rises_evenly(first) and not _rises_evenly(second)
 
 
 def _are_points(table):
@@ -118,16 +137,21 @@ def _are_points(table):
     if places.shape[1] == 2:
         each = [len(np.unique(column)) for column in places.T]
         return min(each) > 1 and math.prod(each) == len(places)
-    steps = np.diff(places[:, 0])
+    return _rises_evenly(places[:, 0])
+
+
+def _rises_evenly(column):
+    """Whether numbers rise, or fall, by one step."""
+    steps = np.diff(column)
     return bool(steps[0] and np.abs(steps - steps.mean()).max() <= UNEVEN * abs(steps.mean()))
 
 
 def _read_table(filename, _=""):
     """Rows of numbers, separated by blanks, tabulators, semicolons or commas, after lines that are
-    none; an empty cell, and what is no number, is a hole. A separator that ends every row separates
-    nothing."""
-    lines = Path(filename).read_text(encoding="utf-8-sig", errors="replace").splitlines()
-    lines = [line.split("#")[0].rstrip(" \r") for line in lines]
+    none; an empty cell, what is no number, and the number that the heading tells to be none, is a
+    hole. A separator that ends every row separates nothing."""
+    text = _text(filename)
+    lines = [NO_NUMBER.sub("?", line).split("#")[0].rstrip(" \r") for line in text.splitlines()]
     lines = [line for line in lines if line.strip()]
     first = next((place for place, line in enumerate(lines) if _is_row(line)), len(lines))
     while 0 < first < len(lines) and _is_row_with_holes(lines[first - 1], lines[first]):
@@ -141,9 +165,18 @@ def _read_table(filename, _=""):
     if separator in WITH_COMMAS:
         rows = [row.replace(",", ".") for row in rows]
     try:
-        return np.squeeze(np.loadtxt(rows, delimiter=separator, ndmin=2))
+        found = np.loadtxt(rows, delimiter=separator, ndmin=2)
     except ValueError:
-        return np.squeeze(np.genfromtxt(rows, delimiter=separator, ndmin=2))
+        found = np.genfromtxt(rows, delimiter=separator, ndmin=2)
+    if none := NO_HEIGHT.search(text):
+        found[found == float(none[1])] = np.nan
+    return np.squeeze(found)
+
+
+def _text(filename):
+    """The text of a file, of one byte a letter or more."""
+    content = Path(filename).read_bytes()
+    return content.decode("utf-16" if content.startswith(WIDE) else "utf-8-sig", errors="replace")
 
 
 def _separator(row):

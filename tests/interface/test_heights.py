@@ -68,6 +68,48 @@ def test_words_where_heights_are_missing_make_no_heading_of_a_row(tmp_path):
     assert height_files.read(tmp_path / "a.xyz").values.shape == (4, 3)
 
 
+def test_what_spreadsheets_write_for_no_number_begins_no_comment(tmp_path):
+    """Excel's #N/A and the 1.#QNAN of Windows are holes, also at the end of a row, where what is
+    before them would be a height."""
+    values = MAP.copy()
+    values[3, 4] = values[5, -1] = values[6, 0] = np.nan
+    for word in ("1.#QNAN", "-1.#IND00", "1.#INF", "#N/A", "#NV", "#DIV/0!"):
+        for separator in (",", "\t", " "):
+            content = "#HEIGHTS of #1\n" + text(values, separator, empty=word)
+            (tmp_path / "a.txt").write_text(content)
+            np.testing.assert_array_equal(height_files.read(tmp_path / "a.txt").values, values)
+
+
+def test_a_heading_that_tells_what_stands_for_no_height_is_heeded(tmp_path):
+    values = MAP.copy()
+    values[3, 4] = values[5, 0] = np.nan
+    for heading in ("ncols 18\nnrows 24\nNODATA_value -9999\n", "# nodata = -9999.0\n"):
+        (tmp_path / "a.asc").write_text(heading + text(values, empty="-9999"))
+        np.testing.assert_array_equal(height_files.read(tmp_path / "a.asc").values, values)
+
+
+def test_text_of_two_bytes_a_letter_is_read(tmp_path):
+    """As spreadsheets and shells of Windows write it."""
+    for name in ("utf-16-le", "utf-16-be"):
+        (tmp_path / "a.txt").write_bytes(("\ufeffHöhe\n" + text(MAP, "\t")).encode(name))
+        np.testing.assert_array_equal(read_heights(tmp_path / "a.txt"), MAP)
+
+
+def test_places_beside_the_heights_are_none_of_them(tmp_path):
+    """A column of numbers of rows, as pandas writes it, a row of places above the map, or both."""
+    rows, columns = np.arange(24.0)[:, None], 0.1 * np.arange(18.0).round(3)[None]
+    both = np.block([[np.full((1, 1), np.nan), columns], [rows, MAP]])
+    for table, which in ((np.hstack([rows, MAP]), "column"), (np.vstack([columns, MAP]), "row"),
+                         (both, "column")):
+        (tmp_path / "a.csv").write_text(text(table, ",", empty=""))
+        with pytest.raises(ValueError, match=f"its first {which} seems to be places"):
+            height_files.read(tmp_path / "a.csv")
+    tilted = MAP / 1e4 + rows + columns
+    for values in (tilted, np.broadcast_to(rows, MAP.shape), np.zeros((24, 18)), MAP[:, :1] * 0):
+        (tmp_path / "a.csv").write_text(text(values, ","))
+        assert height_files.read(tmp_path / "a.csv").values.size == values.size
+
+
 @pytest.mark.parametrize("sign", [";", "\t"])
 def test_decimal_commas_stand_where_something_else_separates(tmp_path, sign):
     """Rows without a fraction before them are rows as well, and no number becomes a hole."""
