@@ -1,11 +1,13 @@
 """Studies of parameters: a scene with many values, each run in a process of its own and kept in an
 archive, so that a study that was interrupted goes on where it was."""
 
+import hashlib
 import itertools
 import os
 import re
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import fields as fields_of
 from pathlib import Path
@@ -16,17 +18,20 @@ from tqdm import tqdm
 from ..options.arguments import a_path, several, unfit
 from ..options.database import database
 from ..options.fields import InputError, as_text, meant
+from ..options.values import instance
 from ..output import resuming
 from ..output.extras import extra
 from ..output.reading import read
-from ..scene.load import Load
 from ..scene.measured import RIVALS
 from ..scene.scene import Scene
-from ..scene.settings import of_run
-from ..scene.steps import Form, Output, Steps
+from ..scene.settings import OPTION_CLASSES, check, of_run
 from ..system.processes import launched, unlaunched
 
-OURS = tuple(cls.prefix for cls in (Scene, Load, Steps, Form, Output))
+OURS = tuple(cls.prefix for cls in OPTION_CLASSES)
+LONGEST = 200
+"""Bytes of the name of an archive that tell its values."""
+REFUSED = 2
+"""Exit status of a run that has not begun."""
 
 
 class Sweep(Mapping):
@@ -36,7 +41,8 @@ class Sweep(Mapping):
     ----------
     parameters : dict, name -> values
     folder : pathlib.Path of the archives
-    failures : dict, values -> why the run ended early; what it reached is in its record, if any
+    failures : dict, values -> why the run ended early, or what it lacks; what it reached is in its
+        record, if any
     """
 
     def __init__(self, parameters, folder):
@@ -68,12 +74,12 @@ class Sweep(Mapping):
         Parameters
         ----------
         values : a value or a tuple of several
-        path : pathlib.Path
+        path : pathlib.Path, None of a run that was refused: what is there is of another one
         reason : str, empty where the run came to its end
         """
         if reason:
             self.failures[values] = reason
-        if path.is_file() and (record := read(path)).points:
+        if path and path.is_file() and (record := read(path)).points:
             self._records[values] = record
 
     def take(self, name, pick=lambda column: column[-1]):
@@ -119,8 +125,8 @@ def sweep(scene, load, *, folder="sweep", jobs=1, steps=None, form=None, fields=
     options = _words(load, *given) | _petsc() | {"archive_fields": fields}
     parameters = {name: _listed(name, values) for name, values in parameters.items()}
     found, cases = Sweep(parameters, folder), _cases(parameters)
-    tasks = [(values, _scene_words(scene, case) | options | _others(case),
-              found.folder / f"{_stem(case)}.h5", jobs) for values, case in cases.items()]
+    tasks = [(values, _checked(scene, cases[values], options), found.folder / f"{name}.h5", jobs)
+             for values, name in _stems(cases).items()]
     found.folder.mkdir(parents=True, exist_ok=True)
     # The processes are the runs' own: here threads wait for them.
     ended = (joblib.Parallel(n_jobs=jobs, prefer="threads", return_as="generator")(
@@ -166,8 +172,8 @@ def _cases(parameters):
 
 
 def _run(values, words, path, jobs):
-    """Run a case in a process unless it is done; (values, path of its archive, why it ended early
-    or an empty text)."""
+    """Run a case in a process unless it is done; (values, path of its archive, None where it was
+    refused, why it ended early, or what it lacks, or an empty text)."""
     if _is_done(path, words):
         return values, path, ""
     arguments = [part for name, value in words.items()
@@ -177,9 +183,10 @@ def _run(values, words, path, jobs):
                            str(path), "-archive_resume"], capture_output=True, text=True,
                           check=False, env={**unlaunched(), **one, "PYTHONPATH": os.pathsep.join(
                               filter(None, sys.path))})
-    said = [line for line in done.stderr.splitlines() if "error: " in line]
-    return values, path, "" if done.returncode == 0 else (
-        said[-1].partition("error: ")[2] if said else f"exit status {done.returncode}")
+    said = [line.partition(": ")[2].partition(": ")[2] for line in done.stderr.splitlines()
+            if "error: " in line or resuming.LACKING in line]
+    reason = said[-1] if said else f"exit status {done.returncode}" if done.returncode else ""
+    return values, None if done.returncode == REFUSED else path, reason
 
 
 def _is_done(path, words):
@@ -209,13 +216,28 @@ def _scene_words(scene, case):
     given = {name: value for name, value in scene.stated().items()
              if rivals.get(name) not in case}
     given |= {name: _plain(value) for name, value in case.items() if name in known}
-    Scene.typed(**given)
     return {f"scene_{name}": as_text(value) for name, value in given.items()}
 
 
 def _others(case):
-    """Options of a case that are none of scenes."""
-    return {name: as_text(_plain(value)) for name, value in case.items() if name.startswith(OURS)}
+    """Options of a case that are none of scenes; InputError for a name that is none."""
+    known = [cls.option_name(field.name)[1:] for cls in OPTION_CLASSES for field in fields_of(cls)]
+    # (a scene has a contact_modulus, and Form the prefix contact_)
+    found = {name: as_text(_plain(value)) for name, value in case.items()
+             if name not in Scene.__dataclass_fields__}
+    for name in found:
+        if name not in known:
+            raise InputError(f"{name} is no option" + meant(name, known))
+    return found
+
+
+def _checked(scene, case, options):
+    """All options of a case, with those that all have; InputError for one that is not allowed."""
+    words = _scene_words(scene, case) | options | _others(case)
+    entries = {name.lower(): value for name, value in {**words, "archive_resume": ""}.items()}
+    made, _, load, steps, _ = [instance(cls, entries) for cls in OPTION_CLASSES]
+    check(made, load, steps)
+    return words
 
 
 def _plain(value):
@@ -230,7 +252,15 @@ def _petsc():
     return {name: value for name, value in database().items() if not name.startswith(OURS)}
 
 
-def _stem(case):
-    """The name of a case's archive."""
-    name = "-".join(f"{name}={as_text(_plain(value))}" for name, value in case.items())
-    return re.sub(r"[^\w.,=+-]+", "_", name)
+def _stems(cases):
+    """Values -> the name of a case's archive, with a checksum where it would be too long, or that
+    of two."""
+    told = {values: "-".join(f"{name}={as_text(_plain(value))}" for name, value in case.items())
+            for values, case in cases.items()}
+    found = {values: re.sub(r"[^\w.,=+-]+", "_", text) for values, text in told.items()}
+    shared = Counter(found.values())
+    for values, name in found.items():
+        if shared[name] > 1 or len(name.encode()) > LONGEST:
+            found[values] = (name.encode()[:LONGEST].decode(errors="ignore") + "-"
+                             + hashlib.sha256(told[values].encode()).hexdigest()[:12])
+    return found

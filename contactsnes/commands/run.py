@@ -114,6 +114,8 @@ class Run:
         if self.archive and self.archive.complete:
             print(
                 f"{self.archive.path} is complete with {self.known} points: there is nothing to do")
+            if self.archive.lacking:
+                complain("warning", self.archive.lacking)
             return 0
         self._say_what_is_solved()
         if self.known:

@@ -70,6 +70,7 @@ class Archive:
     complete : bool, whether the path was followed to its regular end (`finish`), and has no more to
         offer
     runs : list of `resuming.Run`, those before this one
+    lacking : str, what a complete file has not and this run asks for; empty for nothing
     """
 
     def __init__(self, path, *, scene, options, versions, columns, fields="none", coordinates=None,
@@ -78,7 +79,7 @@ class Archive:
         self._layout = Layout(columns, fields, coordinates, components, initial_gap, modes, units,
                               precision, compliance)
         self.path = resolved(path)
-        self.complete = False
+        self.complete, self.lacking = False, ""
         self.runs = []
         self._first, self._expected = 0, state  # point of this run
         self._warnings = "\n".join(warnings)
@@ -231,6 +232,7 @@ class Archive:
         more = resuming.has_more(file.attrs["options"], self._options, last.get("event"))
         self.complete = bool(file.attrs["complete"]) and not more
         if self.complete:
+            self.lacking = resuming.lacking(file, self._layout.fields, self._layout.columns)
             return
         self._check_layout(file)
         told = file.attrs.get("warnings", "").splitlines()

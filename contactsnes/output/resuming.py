@@ -20,6 +20,9 @@ from ..options.files import is_option
 SOURCES = ("geometry_file",)
 """Attributes of a scene that say where something came from: its checksum decides."""
 
+LACKING = "is complete without what"
+"""What is told of an archive that has less than a run asks for."""
+
 ROUNDING = 1e-9
 """Relative distance of loads that are the same."""
 
@@ -158,6 +161,24 @@ def _ends(found, event):
     at = {"fold": found.get("continuation_at_fold"),
           "bifurcation": found.get("continuation_at_bifurcation")}
     return event in stops or at.get(event) == "stop"
+
+
+def lacking(file, fields, columns):
+    """What a complete archive has not and a run asks for, a sentence; empty for nothing.
+
+    Parameters
+    ----------
+    file : h5py.File, the open archive
+    fields : str, the points whose fields are asked for
+    columns : iterable of str, names
+    """
+    kept = ("none", "last", "all")
+    fewer = kept.index(file.attrs["fields"]) < kept.index(fields)
+    absent = ", ".join(sorted(set(columns) - set(file["branch"])))
+    missing = [*[f"-archive_fields {fields} keeps"] * fewer,
+               *[f"the columns {absent} tell"] * bool(absent)]
+    return (f"{file.filename} {LACKING} {' and '.join(missing)}: it is made anew by "
+            "-archive_overwrite, or once it is removed") if missing else ""
 
 
 def on_path(points, initial, path, controls, told):

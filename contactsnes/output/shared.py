@@ -18,7 +18,7 @@ class SharedArchive:
 
     Attributes
     ----------
-    points, complete, path, runs : as of an Archive
+    points, complete, lacking, path, runs : as of an Archive
     """
 
     def __init__(self, make, grid):
@@ -71,10 +71,11 @@ class SharedArchive:
                     raise
                 error = raised
             kept = self._kept
-            return error, (kept.points, kept.complete, kept.path, kept.runs)
+            return error, (kept.points, kept.complete, kept.lacking, kept.path, kept.runs)
 
         if world.rank:
             self._grid.taking(act)
-        error, (self.points, self.complete, self.path, self.runs) = world.first(acted)
+        error, known = world.first(acted)
+        self.points, self.complete, self.lacking, self.path, self.runs = known
         if error is not None:
             raise error

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from contactsnes import Branch, Form, Load, Scene, Steps, read, reference, sweep
-from contactsnes.branch.sweep import _is_done, _scene_words, _stem
+from contactsnes.branch.sweep import _cases, _is_done, _scene_words, _stems
 from contactsnes.contact import observables
 from contactsnes.options.fields import InputError
 from contactsnes.output import archive as archives
@@ -138,6 +138,57 @@ def test_a_sweep_refuses_before_it_runs(tmp_path, given, word):
     assert not (tmp_path / "none").exists()
 
 
+@pytest.mark.parametrize("given, word", [
+    (dict(load_path=["normal_displacement=1", "normal_displacment=1"]), "did you mean normal_disp"),
+    (dict(load_pth=["normal_force=1"]), "load_pth is no option: did you mean load_path"),
+    (dict(continuation_largest_step=[0.1, -1]), "-continuation_largest_step is '-1'"),
+    (dict(archive_overwrite=[True]), "exclude each other"),
+    (dict(points=[128], fields="al"), "-archive_fields is 'al'")])
+def test_options_that_are_none_of_scenes_are_refused_before_it_runs_too(tmp_path, given, word):
+    with pytest.raises(InputError, match=word):
+        sweep(Scene(**SMALL), Load(path="normal_force=1"), folder=tmp_path / "none", **given)
+    assert not (tmp_path / "none").exists()
+
+
+def test_options_of_scenes_that_begin_as_others_do_vary(tmp_path):
+    found = sweep(Scene(**SMALL), Load(path="normal_displacement=1"), folder=tmp_path,
+                  progress=False, contact_threshold=[1.0, 2.0])
+    assert not found.failures and np.diff(found.take("contact_area")) > 0.1
+
+
+def test_what_another_run_has_left_in_the_folder_is_no_record(tmp_path):
+    """A run that is refused has no points; those in a file of its name are of another one."""
+    given = dict(folder=tmp_path, progress=False, points=[128])
+    sweep(Scene(**SMALL), Load(path="normal_displacement=1"), **given)
+    other = sweep(Scene(**SMALL), Load(path="normal_displacement=2; normal_force=1"), **given)
+    assert "cannot be resumed" in other.failures[128]
+    assert list(other) == [] and np.isnan(other.take("normal_force"))
+
+
+def test_what_complete_runs_lack_is_a_failure_and_their_points_are_there(tmp_path):
+    given = dict(folder=tmp_path, progress=False, points=[128])
+    load = Load(path="normal_displacement=1")
+    sweep(Scene(**SMALL), load, **given)
+    for fields in ("all", "last"):
+        asked = sweep(Scene(**SMALL), load, fields=fields, **given)
+        assert f"without what -archive_fields {fields} keeps" in asked.failures[128]
+        assert asked[128].points > 1
+    assert not sweep(Scene(**SMALL), load, **given).failures
+
+
+def test_runs_have_archives_of_their_own_however_long_their_values(tmp_path):
+    """Names of files hold no more than 255 bytes, and not every sign."""
+    shared = ["normal_force=1; tangential_force=0.1", "normal_force=1, tangential_force=0.1"]
+    long = ["; ".join(f"normal_displacement={leg}" for leg in range(last)) for last in (20, 21)]
+    cases = _cases({"load_path": [*shared, *long, "normal_force=1"]})
+    names = _stems(cases)
+    assert len(set(names.values())) == len(cases) and names == _stems(cases)
+    assert max(len(name.encode()) for name in names.values()) < 240
+    assert names["normal_force=1"] == "load_path=normal_force=1"
+    found = sweep(Scene(**SMALL), Load(), folder=tmp_path, progress=False, load_path=shared)
+    assert not found.failures and found[shared[0]].points > found[shared[1]].points
+
+
 def test_a_sweep_of_several_processes_is_refused(monkeypatch, tmp_path):
     """Each would run all of it, in the same files."""
     monkeypatch.setenv("OMPI_COMM_WORLD_SIZE", "2")
@@ -149,8 +200,8 @@ def test_a_sweep_of_several_processes_is_refused(monkeypatch, tmp_path):
 
 
 def test_names_of_archives_are_those_of_files():
-    assert _stem({"points": np.int64(64), "geometry_file": "a/b c.npy"}) == (
-        "points=64-geometry_file=a_b_c.npy")
+    case = {"points": np.int64(64), "geometry_file": "a/b c.npy"}
+    assert _stems({0: case})[0] == "points=64-geometry_file=a_b_c.npy"
 
 
 def test_a_sweep_keeps_what_a_scene_was_made_of():

@@ -201,8 +201,18 @@ def test_complete_archive_is_left_as_it_is(pressed):
     before = (folder / "run.h5").read_bytes()
     done = call("run", *PRESSED, "-archive_file", "run.h5", "-archive_fields", "all",
                 "-archive_resume", folder=folder)
-    assert done.returncode == 0 and "complete" in done.stdout and (
+    assert done.returncode == 0 and "complete" in done.stdout and not done.stderr and (
         folder / "run.h5").read_bytes() == before
+
+
+def test_what_a_complete_archive_lacks_is_told(tmp_path):
+    call("run", *STILL, "-archive_file", "run.h5", folder=tmp_path)
+    before = (tmp_path / "run.h5").read_bytes()
+    done = call("run", *STILL, "-archive_file", "run.h5", "-archive_fields", "last",
+                "-archive_stiffness", "-archive_resume", folder=tmp_path)
+    assert done.returncode == 0 and (tmp_path / "run.h5").read_bytes() == before
+    assert ("run.h5 is complete without what -archive_fields last keeps and the columns stiffness "
+            "tell: it is made anew by -archive_overwrite") in done.stderr
 
 
 def test_fields_cost_no_transforms(pressed, tmp_path):
