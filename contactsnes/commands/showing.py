@@ -2,6 +2,7 @@
 
 import errno
 import os
+from pathlib import Path
 
 from ..options.fields import InputError
 from ..options.files import is_option
@@ -22,6 +23,10 @@ from .speech import complain, told
 PLOT = {"pdf": ("plot_format", "png,pdf"), "output": ("plot_output", None),
         "points": ("plot_points", None)}
 """Older and shorter names of options of plot."""
+HDF5 = b"\x89HDF\r\n\x1a\n"
+"""How files of HDF5 begin."""
+FIELDS = (".vtkhdf", ".hdf")
+"""Endings of those that are made of archives."""
 
 
 def usage(command, what, cls):
@@ -45,7 +50,21 @@ def asked_for(arguments, cls, text, others=None):
     paths, asked = read_words(arguments, cls, others)
     if not paths:
         raise InputError(f"no archive is named; {text.splitlines()[0]}")
+    if asked.output and _is_archive(Path(asked.output), paths):
+        raise InputError(f"{asked.option_name('output')} is '{asked.output}', an archive: name "
+                         "another")
     return paths, asked
+
+
+def _is_archive(target, paths):
+    """Whether a file to write is there as one of these archives, or as another."""
+    try:
+        with target.open("rb") as file:
+            begins = file.read(len(HDF5))
+        return begins == HDF5 and (target.suffix not in FIELDS
+                                   or any(target.samefile(path) for path in paths))
+    except OSError:  # what cannot be read is told where it is to be written
+        return False
 
 
 def writing(path, make):

@@ -7,6 +7,7 @@ import h5py
 import numpy as np
 import pytest
 
+from contactsnes.commands import showing
 from contactsnes.options.fields import InputError
 from contactsnes.options.words import read_words
 from contactsnes.output import extras, tabular
@@ -158,6 +159,21 @@ def test_archives_that_cannot_be_read_or_are_not_complete_are_named(tmp_path):
     assert len(table.unread) == 2 and str(under_way) in table.notes[0]
     with pytest.raises(ArchiveError, match="absent.h5.*broken.h5"):
         tabular.tabulate([absent, broken], TableOptions())
+
+
+@pytest.mark.parametrize("command", [showing.table, showing.report, showing.movie, showing.export])
+def test_an_archive_is_not_replaced_by_what_is_made_of_it(tmp_path, command, monkeypatch):
+    """Neither the one that is shown, by whatever path, nor another."""
+    monkeypatch.chdir(tmp_path)
+    for name in ("a.h5", "b.h5", "c.hdf"):
+        archive(tmp_path / name, fields="all")
+    (tmp_path / "link.gif").symlink_to("a.h5")
+    before = [(tmp_path / name).read_bytes() for name in ("a.h5", "b.h5", "c.hdf")]
+    for path, output in (("a.h5", "a.h5"), ("a.h5", "./b.h5"), ("a.h5", "link.gif"),
+                         ("c.hdf", "c.hdf")):
+        with pytest.raises(InputError, match=f"-output is '{output}', an archive: name another"):
+            command([path, "-output", output])
+    assert before == [(tmp_path / name).read_bytes() for name in ("a.h5", "b.h5", "c.hdf")]
 
 
 def test_parquet_holds_values_and_units(tmp_path):
