@@ -202,6 +202,9 @@ def write_table(paths, table, asked):
     if not asked.output and len(paths) > 1:
         raise InputError("-format is 'parquet' for several archives without a file: name it by "
                          "-output")
+    if path.suffix == {"csv": ".parquet", "parquet": ".csv"}[asked.format]:
+        raise InputError(f"-output is '{path}', but -format is '{asked.format}': name another, or "
+                         "give the other format")
     if not path.parent.is_dir():
         raise InputError(f"-output is '{path}', whose folder does not exist: create it, or name "
                          "another")

@@ -329,6 +329,21 @@ def test_bad_input(tmp_path):
         plot(tmp_path / "other.h5")
 
 
+def test_figures_of_archives_of_one_name_do_not_replace_each_other(
+        tmp_path, capsys, kept_options):
+    """As those of a study with a folder a run."""
+    for folder in ("one", "two", "figures"):
+        (tmp_path / folder).mkdir()
+    paths = [str(archive_of(tmp_path / folder / "run.h5", [(jkr(2), ()), (jkr(3), ())]).path)
+             for folder in ("one", "two")]
+    output = ["-plot_output", str(tmp_path / "figures")]
+    assert cli.main(["plot", *paths, *output]) == 2
+    assert "two/run.h5 would have figures of the names that those of " in capsys.readouterr().err
+    assert not list((tmp_path / "figures").iterdir())
+    for words in (paths, [paths[0], paths[0], *output], [*paths, *output, "-plot_together", "x"]):
+        assert cli.main(["plot", *words]) == 0
+
+
 @pytest.mark.parametrize(
     "unit, text",
     [

@@ -95,6 +95,15 @@ def test_a_table_refuses_what_does_not_fit(tmp_path):
         "scene_period"][0] == "6.0,4.0"
 
 
+@pytest.mark.parametrize("kind, name", [("csv", "a.parquet"), ("parquet", "a.csv")])
+def test_a_file_of_one_kind_has_not_the_name_of_another(tmp_path, kind, name):
+    path, target = archive(tmp_path / "a.h5"), tmp_path / name
+    asked = TableOptions(format=kind, output=str(target))
+    with pytest.raises(InputError, match=f"-format is '{kind}': name another"):
+        tabular.write_table([path], tabular.tabulate([path], asked), asked)
+    assert not target.exists()
+
+
 def test_attributes_of_scenes_have_their_units(tmp_path):
     scenes = {"a.h5": {"period": 20.0, "contact_threshold": 1.0},
               "b.h5": {"period": 0.02, "contact_threshold": 2.0, "units": "si"}}

@@ -105,6 +105,8 @@ def draw(paths, asked):
     if asked.together and Path(asked.together).name != asked.together:
         raise InputError(f"-plot_together is '{asked.together}': give the beginning of the names "
                          "of the figures, and their folder by -plot_output")
+    if not asked.together:
+        _refuse_shared(paths, asked.output)
     for some in [paths] if asked.together else [[path] for path in paths]:
         records += (group := [_read(path) for path in some])
         check_names(measured, group)
@@ -119,6 +121,17 @@ def draw(paths, asked):
             kinds = {"columns": partial(draw_columns, group, columns, measured), **kinds}
         yield _drawn(kinds, folder / stem, asked)
     check_used(measured, records)
+
+
+def _refuse_shared(paths, output):
+    """InputError where figures of one archive would replace those of another."""
+    found = {}
+    for path in (Path(path).absolute() for path in paths):
+        other = found.setdefault(Path(output or path.parent, path.stem), path)
+        if other != path:
+            raise InputError(f"{path} would have figures of the names that those of {other} have: "
+                             "draw them one by one into folders of their own, or by "
+                             "-plot_together in common ones")
 
 
 def _read(path):
