@@ -57,6 +57,7 @@ class Record(Mapping):
         parts = {part.name: part for part in checksums.parts(file)}
         attributes = parts[""].attributes
         self.path, self.points = Path(file.filename), int(attributes["points"])
+        self._place = self.path.absolute()  # fields are read later, maybe from another folder
         self.complete = bool(attributes["complete"])
         self.scene, self.options = parts["scene/"].attributes, attributes["options"]
         self.versions = dict(line.split(" ", 1) for line in attributes["versions"].splitlines())
@@ -150,8 +151,8 @@ class Record(Mapping):
     def _taken(self, take):
         """What a function takes from the file."""
         if self._tried:
-            return safely(self.path, take)
-        with open_archive(self.path) as file:
+            return safely(self._place, take)
+        with open_archive(self._place) as file:
             return take(file)
 
     def field(self, name, point):
@@ -229,12 +230,12 @@ class Record(Mapping):
                 kept(fields, point)
 
         if in_file and self._tried:
-            checked(self.path, take)
+            checked(self._place, take)
         for point in points:
             if point not in in_file:
                 yield [self.field(name, point) for name in names]
                 continue
-            with open_archive(self.path) as file:
+            with open_archive(self._place) as file:
                 on_active, whole = kept(stored.Fields(file), point)
             yield [whole[name] if name in whole else self._cell(name, on_active)
                    for name in names]

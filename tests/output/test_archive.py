@@ -165,6 +165,22 @@ def test_h5py_alone_reads_an_archive_between_any_two_points(tmp_path):
             assert not file.attrs["complete"]
 
 
+def test_a_record_reads_its_own_file_from_any_folder(tmp_path, monkeypatch):
+    """Where its name is that of another archive there, too."""
+    for folder, first in (("one", 0), ("two", 5)):
+        (tmp_path / folder).mkdir()
+        made = Archive.create(tmp_path / folder / "run.h5", **fields_content("all"))
+        for number in range(first, first + 3):
+            made.append(*point(number))
+        made.finish()
+    monkeypatch.chdir(tmp_path / "one")
+    record = read("run.h5")
+    monkeypatch.chdir(tmp_path / "two")
+    (displacement, _), = record.each([1])
+    assert np.all(displacement == 1) and np.all(record.field("displacement", 1) == 1)
+    assert str(record.path) == "run.h5"
+
+
 @pytest.mark.parametrize("fields, stored", [("none", []), ("last", [149]),
                                             ("all", list(range(150)))])
 def test_fields_of_the_points_asked_for_are_kept(tmp_path, fields, stored):

@@ -340,8 +340,8 @@ def test_figures_of_archives_of_one_name_do_not_replace_each_other(
     assert cli.main(["plot", *paths, *output]) == 2
     assert "two/run.h5 would have figures of the names that those of " in capsys.readouterr().err
     assert not list((tmp_path / "figures").iterdir())
-    for words in (paths, [paths[0], paths[0], *output], [*paths, *output, "-plot_together", "x"]):
-        assert cli.main(["plot", *words]) == 0
+    for named in (paths, [paths[0], paths[0], *output], [*paths, *output, "-plot_together", "x"]):
+        assert cli.main(["plot", *named]) == 0
 
 
 @pytest.mark.parametrize(
