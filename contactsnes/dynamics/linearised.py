@@ -154,6 +154,11 @@ class Overdamped:
         means[self.means] = self.form.scalars(vector)
         return State(self.window, self.form.displacement(vector), means)
 
+    def uniform(self):
+        """Vectors of the motions of the surface as a whole, of each component whose mean can."""
+        return [self.vector(State(self.window, np.outer(means, np.ones(self.window.size)), means))
+                for means in np.eye(self.components)[self.means]]
+
     def noise(self, seed):
         """A vector of random numbers, the same however its nodes are shared out."""
         form = self.form

@@ -55,7 +55,7 @@ def leading_modes(operator, axes=(), start=(), accurate=ACCURATE, number=0, neut
     Parameters
     ----------
     operator : with ``size``, ``apply`` (J), ``precondition`` (P^-1) and what `projection.Space`
-        asks for; entries of vectors that have no meaning are those that are not ``occupied``
+        asks for; entries of vectors have a meaning where ``occupied``, ``uniform`` are of the whole
     axes : symmetries, second arguments of ``mirror``, under which J does not change
     start : list of vectors to begin with, each a sum of modes of a point nearby that differ in
         symmetry
@@ -87,6 +87,9 @@ def _searched(space, start, accurate, number, neutral):
     `leading_modes`."""
     space.begin(start)
     lost = _lost(space)
+    # What moves as a whole is as the preconditioner foretells, which shows a run nothing of it.
+    for vector in getattr(space.operator, "uniform", list)() if lost else ():
+        space.run(0.0, space.only(lost, vector), 1)
     # A first point has two runs from noise: two modes with nearly the same eigenvalue look like one
     # to a single run.
     cold = 0 if not lost else 1 if start else 2

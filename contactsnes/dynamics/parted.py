@@ -91,6 +91,11 @@ class Parted:
         return [piece for one, own in zip(self._each, self.parts(vector))
                 for piece in one.pieces(own)]
 
+    def uniform(self):
+        """As of `linearised.Overdamped`, each of the part that has it."""
+        return [self.whole(number, vector) for number, one in enumerate(self._each)
+                for vector in one.uniform()]
+
     def noise(self, seed):
         """A vector of random numbers, the same however its nodes are shared out."""
         return np.concatenate([one.noise(len(self._each) * seed + number)

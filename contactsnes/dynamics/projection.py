@@ -26,7 +26,8 @@ class Modes:
 
     The unstable ones and, of each symmetry, the next ``certain`` (two where there is none: the
     edges of contact have one each), all of which are to be accurate, and a further one that only
-    tells where to look. ``grid`` is that of the nodes where some are in other processes.
+    tells where to look, unless by its residual it may be softer than the first. ``grid`` is that of
+    the nodes where some are in other processes.
     """
 
     values: np.ndarray
@@ -258,7 +259,9 @@ def projected(basis, images, products, certain, grid=None, compiled=False):
     else:
         vectors, moved = (_combined(coefficients, rows) for rows in (basis, images))
         defects = moved - values[:, None] * vectors
-    return Modes(values, vectors, defects, np.arange(len(values)) < certain, grid)
+    found = Modes(values, vectors, defects, np.arange(len(values)) < certain, grid)
+    found.certain[:] |= values.real - found.residuals < values[0].real
+    return found
 
 
 def _combined(coefficients, rows):

@@ -145,12 +145,13 @@ class Stability:
         operator = self._linearised(state, point.controls, axes)
         products = operator.products
         fold = point.event == "fold"
-        start = self._start(state) + self._tangents(point, state.window)
+        start = self._start(state, point.controls) + self._tangents(point, state.window)
         found = leading_modes(operator, () if isinstance(operator, Parted) else axes, start,
                               accurate and max(accurate, FLAT) if fold else accurate, number,
                               FLAT if fold else NEUTRAL)
         self.system.totals["jacobian_products"] += operator.products - products
-        self._last = state, [operator.state(vector) for vector in summed(soft(found))]
+        self._last = (point.controls, state,
+                      [operator.state(vector) for vector in summed(soft(found))])
         return joined(found)
 
     def _known(self, state, components):
@@ -189,11 +190,11 @@ class Stability:
         return [self._operator.vector(State(window, states.onto(mode, window), mode.means))
                 for mode in (tangent.state for tangent in point.tangents)]
 
-    def _start(self, state):
+    def _start(self, state, controls):
         """Modes of the last point as vectors on the window of a state, moved with the edges of
-        contact."""
-        if self._last is None or self._last[0].components != state.components:
+        contact; none under other controls, where what moves as a whole may be the softest."""
+        if self._last is None or self._last[0] != controls:
             return []
-        origin, modes = self._last
+        _, origin, modes = self._last
         return [self._operator.vector(mode)
                 for mode in carried(self.contact, modes, origin, state)]

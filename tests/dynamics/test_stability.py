@@ -381,3 +381,24 @@ def test_modes_of_two_symmetries_that_lose_their_stability_at_once_are_both_coun
             assert point.unstable_modes == np.sum(values < -NEUTRAL)
             counts.append(point.unstable_modes)
     assert point.position == 1.0 and max(counts) >= 6
+
+
+@pytest.mark.parametrize("scene, start, path, most", [
+    # next to nothing acts on what is held by the layer alone
+    ({"points": 64, "period": 10.0, "height": 3.0, "normal_maugis": 1.0, "law": "dugdale",
+      "dugdale_width": 0.2, "work_ratio": 0.5},
+     "normal_displacement=-2.248", "normal_displacement=-2", 0.25),
+    # a mean that begins to move, and one that a law without friction at a distance lets go
+    ({"points": 128, "period": 6.0, "normal_maugis": 1.0, "tangential_maugis": 0.3,
+      "tangential": "on", "law": "dugdale", "dugdale_width": 0.2},
+     "normal_displacement=0.761", "normal_force=1", 0.35),
+    ({"points": 96, "period": 16.0, "poisson": 0.3, "height": 1.0, "normal_maugis": 1.0,
+      "tangential_maugis": 2.0, "law": "mcgarry", "work_ratio": 2.0},
+     "normal_displacement=-2.5", "normal_displacement=-3.1", 0.91)])
+def test_modes_of_the_body_as_a_whole_are_among_the_leading_ones(scene, start, path, most):
+    """They are as the preconditioner foretells, so that runs from noise do not tell them apart."""
+    made = branch(scene, path, "eigenvalue", start)
+    for point in made:
+        least = Cell(made.contact, point).eigenvalues()[0].real
+        assert point.leading_eigenvalue.real == pytest.approx(least, abs=ACCURATE)
+    assert least < most
