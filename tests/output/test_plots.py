@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from matplotlib import rc_context
 from matplotlib.image import imread
+from matplotlib.lines import Line2D
+from matplotlib.textpath import TextPath
 
 from contactsnes.commands import cli
 from contactsnes.options.fields import InputError
@@ -20,6 +22,7 @@ from contactsnes.output.figures import (
     maps,
     measured,
     movie,
+    parts,
     profiles,
     shape,
     spots,
@@ -547,6 +550,16 @@ def test_no_entry_of_a_legend_is_cut(tmp_path, name):
             boxes = [text.get_window_extent() for text in figure.axes[0].get_legend().get_texts()]
             assert all(box.x1 < figure.bbox.x1 for box in boxes)
             assert figure.axes[0].get_window_extent().width > 0.7 * figure.bbox.width
+
+
+def test_the_length_of_a_text_is_that_of_its_letters():
+    """Without their outlines, whose extents cost a quarter of a figure; lines that are broken are as
+    long as the longest."""
+    for text in ("fold", "gross sliding", r"$\lambda_n = 3$", "5 $"):
+        length = TextPath((0.0, 0.0), text, size=1).get_extents().width
+        assert parts._width([Line2D([], [], label=text)], 1) == pytest.approx(2.3 + length, abs=0.3)
+    once, broken = (Line2D([], [], label=text) for text in ("measured", "measured\nagain"))
+    assert parts._width([broken], 1) == parts._width([once], 1)
 
 
 def test_no_power_of_ten_is_under_a_legend(tmp_path):

@@ -4,9 +4,10 @@ import textwrap
 
 import matplotlib
 import numpy as np
+from matplotlib.cbook import is_math_text
 from matplotlib.font_manager import FontProperties
 from matplotlib.lines import Line2D
-from matplotlib.textpath import TextPath
+from matplotlib.textpath import text_to_path
 
 from .data import NothingToShow
 from .style import BLUE, DASHED, EVENTS, GREY, MARKS
@@ -141,7 +142,13 @@ def _above(axes):
 def _width(handles, columns):
     """Width of a legend with so many columns, heights of its letters."""
     before = SPACES["handlelength"] + SPACES["handletextpad"]
-    texts = [before + TextPath((0, 0), handle.get_label(), size=1).get_extents().width
-             for handle in handles]
+    texts = [before + max(map(_length, handle.get_label().split("\n"))) for handle in handles]
     return SPACES["columnspacing"] * (columns - 1) + sum(
         max(part) for part in np.array_split(texts, columns))
+
+
+def _length(line):
+    """Length of a line of text, heights of its letters."""
+    size = FontProperties(size=10.0)
+    length, _, _ = text_to_path.get_text_width_height_descent(line, size, is_math_text(line))
+    return length / size.get_size_in_points()
