@@ -29,6 +29,8 @@ sys.dont_write_bytecode = before
 
 every_figure = pytest.mark.parametrize("name", pages.BEYOND)
 
+pytestmark = pytest.mark.study
+
 
 class Alike:
     """One archive in the place of every run."""

@@ -25,6 +25,8 @@ from campaigns import (
     ways_out,
 )
 
+pytestmark = pytest.mark.study
+
 
 @pytest.fixture(scope="module")
 def worker():

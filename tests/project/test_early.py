@@ -20,6 +20,8 @@ sys.dont_write_bytecode = before
 SCENE = {"normal_maugis": 2.0, "tangential_maugis": 1.0, "residual_friction": 0.5, "points": 512,
          "period": 60.0}
 
+pytestmark = pytest.mark.study
+
 
 def motion(name, **asked):
     """A motion of a small contact whose approach is held."""

@@ -9,7 +9,7 @@ from programs import load
 
 ROOT = Path(__file__).resolve().parents[2]
 
-pytestmark = pytest.mark.usefixtures("kept_options")
+pytestmark = [pytest.mark.study, pytest.mark.usefixtures("kept_options")]
 
 
 @pytest.fixture(scope="module")

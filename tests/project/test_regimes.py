@@ -21,6 +21,8 @@ sys.dont_write_bytecode = before
 
 WIDTH = 11.5
 
+pytestmark = pytest.mark.study
+
 
 class Sliding:
     """In the place of results: a contact that slides over a width, with nothing else known."""

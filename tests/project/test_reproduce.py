@@ -13,6 +13,8 @@ from contactsnes.scene.settings import Steps, check
 
 HERE = Path(__file__).resolve().parents[2] / "scripts" / "paper"
 
+pytestmark = pytest.mark.study
+
 
 @pytest.fixture(scope="module", autouse=True)
 def modules():

@@ -12,7 +12,7 @@ from programs import load
 petsc4py.init([])
 
 ROOT = Path(__file__).resolve().parents[2]
-pytestmark = pytest.mark.usefixtures("kept_options")
+pytestmark = [pytest.mark.study, pytest.mark.usefixtures("kept_options")]
 
 
 @pytest.fixture(scope="module")

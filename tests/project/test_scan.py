@@ -27,7 +27,7 @@ def scan():
     return module
 
 
-pytestmark = pytest.mark.usefixtures("kept_options")
+pytestmark = [pytest.mark.study, pytest.mark.usefixtures("kept_options")]
 
 
 @pytest.fixture(scope="module")

@@ -12,6 +12,8 @@ petsc4py.init([])
 
 ROOT = Path(__file__).resolve().parents[2]
 
+pytestmark = pytest.mark.study
+
 
 @pytest.fixture(scope="module")
 def script():
