@@ -557,7 +557,8 @@ def test_the_length_of_a_text_is_that_of_its_letters():
     long as the longest."""
     for text in ("fold", "gross sliding", r"$\lambda_n = 3$", "5 $"):
         length = TextPath((0.0, 0.0), text, size=1).get_extents().width
-        assert parts._width([Line2D([], [], label=text)], 1) == pytest.approx(2.3 + length, abs=0.3)
+        width = parts._width([Line2D([], [], label=text)], 1)
+        assert width == pytest.approx(2.3 + length, abs=0.3)
     once, broken = (Line2D([], [], label=text) for text in ("measured", "measured\nagain"))
     assert parts._width([broken], 1) == parts._width([once], 1)
 
