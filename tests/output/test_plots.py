@@ -553,8 +553,8 @@ def test_no_entry_of_a_legend_is_cut(tmp_path, name):
 
 
 def test_the_length_of_a_text_is_that_of_its_letters():
-    """Without their outlines, whose extents cost a quarter of a figure; lines that are broken are as
-    long as the longest."""
+    """Without their outlines, whose extents cost a quarter of a figure. Lines that are broken are
+    as long as the longest."""
     for text in ("fold", "gross sliding", r"$\lambda_n = 3$", "5 $"):
         length = TextPath((0.0, 0.0), text, size=1).get_extents().width
         width = parts._width([Line2D([], [], label=text)], 1)
