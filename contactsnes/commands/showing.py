@@ -59,11 +59,13 @@ def asked_for(arguments, cls, text, others=None):
 def _is_archive(target, paths):
     """Whether a file to write is there as one of these archives, or as another."""
     try:
+        if not target.is_file():  # a pipe would wait for a writer
+            return False
         with target.open("rb") as file:
             begins = file.read(len(HDF5))
         return begins == HDF5 and (target.suffix not in FIELDS
                                    or any(target.samefile(path) for path in paths))
-    except OSError:  # what cannot be read is told where it is to be written
+    except (OSError, ValueError):  # what cannot be read is told where it is to be written
         return False
 
 

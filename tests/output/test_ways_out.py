@@ -2,6 +2,7 @@
 
 import csv
 import io
+import os
 
 import h5py
 import numpy as np
@@ -183,6 +184,11 @@ def test_an_archive_is_not_replaced_by_what_is_made_of_it(tmp_path, command, mon
         with pytest.raises(InputError, match=f"-output is '{output}', an archive: name another"):
             command([path, "-output", output])
     assert before == [(tmp_path / name).read_bytes() for name in ("a.h5", "b.h5", "c.hdf")]
+
+
+def test_a_pipe_is_no_archive_and_is_not_read(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    assert not showing._is_archive(tmp_path / "pipe", ["a.h5"])
 
 
 def test_parquet_holds_values_and_units(tmp_path):
