@@ -105,9 +105,10 @@ def _seams(scene, grid):
     """Sentences on heights or a gap that jump where the cell meets its neighbours."""
     heights = shapes.of(scene).gridded
     what = "the heights are" if heights else "the gap is"
-    remedy = ("-scene_heights_edges detrend takes out the mean plane, window tapers besides"
-              if heights
-              else "make the gap periodic, or the period longer than matters")
+    remedy = ("make the gap periodic, or the period longer than matters" if not heights
+              else "-scene_heights_edges window tapers besides"
+              if scene.geometry == "file" and shapes.of(scene).heights_edges == "detrend"
+              else "-scene_heights_edges detrend takes out the mean plane, window tapers besides")
     names = ("x", "y") if scene.dimension == 2 else ("the line",)
     return [f"{what} not periodic: along {names[axis]} they step "
             f"by {scene.short(jump, 'u_n,r')} across the seam of the cell, "

@@ -427,6 +427,21 @@ def cautions_on(tmp_path, values, **typed):
             ], float(told.split("slope ")[1])
 
 
+def test_the_remedy_of_a_step_at_the_seam_is_another_than_what_is_done(tmp_path):
+    values = MAP + 50.0 * np.cos(np.linspace(0.0, 3.0 * np.pi, 24))[:, None]
+    for edges, remedy in (("warn", "edges detrend takes out the mean plane, window tapers"),
+                          ("detrend", "this step: -scene_heights_edges window tapers besides")):
+        scene = Scene.typed(geometry="file", geometry_file=saved(tmp_path, values), period=9.0,
+                            heights_edges=edges)
+        assert remedy in cautions.of_surface(scene)[0]
+
+
+def test_a_profile_has_one_size(tmp_path):
+    with pytest.raises(InputError, match="-scene_heights_size is '2e-05,3e-05', but .* has "
+                                         "heights in 1 direction: give one number"):
+        Scene.typed(geometry_file=saved(tmp_path, MAP[:, 0]), heights_size=(2e-5, 3e-5), **SI)
+
+
 def test_a_map_in_another_unit_than_its_size_is_told(tmp_path):
     """Waves of 1 um over 240 um: a slope of sqrt(2) pi height over length."""
     x = np.arange(240) / 240

@@ -136,6 +136,9 @@ class File(Shape):
         """The size of what is used of a map, from that of all of it."""
         whole = cls(geometry_file=own["geometry_file"]).whole()
         each = size if isinstance(size, (tuple, list)) else (size,) * len(whole)
+        if len(each) > len(whole):
+            raise InputError(f"-scene_heights_size is '{as_text(size)}', but "
+                             f"{own['geometry_file']} has heights in 1 direction: give one number")
         told = tuple(length * n / count
                      for length, n, count in zip(each, found.values.shape, whole))
         return told if len(told) > 1 else told[0]
