@@ -98,7 +98,8 @@ def _many_steps(scene, load, steps):
 def of_surface(scene, grid=None):
     """Sentences on heights or a gap of one's own, empty for other scenes; by rows, where a grid is
     given that has some of them."""
-    return [*_seams(scene, grid), *_proportions(scene, grid), *_size(scene), *_part(scene)]
+    return [*_seams(scene, grid), *_proportions(scene, grid), *_order(scene), *_size(scene),
+            *_part(scene)]
 
 
 def _seams(scene, grid):
@@ -141,6 +142,21 @@ def _proportions(scene, grid):
                f"{scene.short(scene.spacings[0], 'beta')} apart along x and "
                f"{scene.short(scene.spacings[1], 'beta')} along y; -scene_heights_size takes two, "
                "with a comma")
+
+
+def _order(scene):
+    """A sentence on a map whose nodes were as far apart along x as along y with its sizes in the
+    other order, as the width and height of an image."""
+    if scene.geometry != "file" or scene.dimension == 1:
+        return
+    counts = shapes.of(scene).points(scene)
+    (along_x, along_y), each = ([length / n for length, n in zip(lengths, counts)]
+                                for lengths in (scene.periods[::-1], scene.periods))
+    if math.isclose(along_x, along_y, rel_tol=OFF) and not math.isclose(*each, rel_tol=OFF):
+        x, y, both = (scene.short(step, "beta") for step in (*each, along_x))
+        yield (f"nodes of {' x '.join(map(str, counts))} heights are {x} apart along x and {y} "
+               f"along y, and {both} along both if the sizes stood in the other order: x runs down "
+               "the rows of a text, y along the numbers in each")
 
 
 def _size(scene):

@@ -463,6 +463,16 @@ def test_one_size_for_a_map_that_is_no_square_is_told(tmp_path):
     assert not cautions_on(tmp_path, MAP, heights_unit="nm", heights_size=(2.4e-4, 1.8e-4))[0]
 
 
+def test_sizes_in_the_other_order_are_told(tmp_path):
+    """Width and height of an image of 18 columns and 24 rows, of which x runs down these."""
+    told, _ = cautions_on(tmp_path, MAP, heights_unit="nm", heights_size=(1.8e-4, 2.4e-4))
+    assert told == ["nodes of 24 x 18 heights are 7.5 µm apart along x and 13.33 µm along y, and "
+                    "10 µm along both if the sizes stood in the other order: x runs down the rows "
+                    "of a text, y along the numbers in each"]
+    assert not cautions_on(tmp_path, MAP, heights_unit="nm", heights_size=(1.8e-4, 1.9e-4))[0]
+    assert not cautions_on(tmp_path, MAP[:18], heights_unit="nm", heights_size=(2e-4, 2e-4))[0]
+
+
 def test_a_size_that_is_not_the_one_of_the_file_is_told(tmp_path):
     """Points 10 um apart, 24 x 18 of them: given as a millimetre, and as it is, to a hundredth."""
     x, y = np.meshgrid(10.0 * np.arange(24), 10.0 * np.arange(18), indexing="ij")
