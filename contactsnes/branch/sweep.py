@@ -192,7 +192,11 @@ def _run(values, words, path, jobs):
 def _is_done(path, words):
     """Whether an archive is the complete one of a case: what differs otherwise is for the run to
     refuse or to go on with."""
-    if not path.is_file() or not (record := read(path)).complete:
+    try:
+        record = read(path)
+    except ValueError:  # there is none, or one that the run refuses
+        return False
+    if not record.complete:
         return False
     made = resuming.entries(record.options)
     return all(made.get(name.lower()) == " ".join(value.split()) for name, value in words.items())
@@ -257,10 +261,10 @@ def _stems(cases):
     of two."""
     told = {values: "-".join(f"{name}={as_text(_plain(value))}" for name, value in case.items())
             for values, case in cases.items()}
-    found = {values: re.sub(r"[^\w.,=+-]+", "_", text) for values, text in told.items()}
-    shared = Counter(found.values())
-    for values, name in found.items():
+    names = {text: re.sub(r"[^\w.,=+-]+", "_", text) for text in told.values()}
+    shared = Counter(names.values())
+    for text, name in names.items():
         if shared[name] > 1 or len(name.encode()) > LONGEST:
-            found[values] = (name.encode()[:LONGEST].decode(errors="ignore") + "-"
-                             + hashlib.sha256(told[values].encode()).hexdigest()[:12])
-    return found
+            names[text] = (name.encode()[:LONGEST].decode(errors="ignore") + "-"
+                           + hashlib.sha256(text.encode()).hexdigest()[:12])
+    return {values: names[text] for values, text in told.items()}

@@ -176,6 +176,14 @@ def test_what_complete_runs_lack_is_a_failure_and_their_points_are_there(tmp_pat
     assert not sweep(Scene(**SMALL), load, **given).failures
 
 
+def test_a_damaged_archive_is_a_failure_of_its_run_only(tmp_path):
+    (tmp_path / "points=128.h5").write_text("none")
+    found = sweep(Scene(**SMALL), Load(path="normal_displacement=1"), folder=tmp_path,
+                  progress=False, points=[128, 64])
+    assert list(found) == [64] and "cannot be read as an HDF5 file" in found.failures[128]
+    assert (tmp_path / "points=128.h5").read_text() == "none"
+
+
 def test_runs_have_archives_of_their_own_however_long_their_values(tmp_path):
     """Names of files hold no more than 255 bytes, and not every sign."""
     shared = ["normal_force=1; tangential_force=0.1", "normal_force=1, tangential_force=0.1"]
@@ -185,6 +193,8 @@ def test_runs_have_archives_of_their_own_however_long_their_values(tmp_path):
     assert len(set(names.values())) == len(cases) and names == _stems(cases)
     assert max(len(name.encode()) for name in names.values()) < 240
     assert names["normal_force=1"] == "load_path=normal_force=1"
+    one = _stems(_cases({"height": ["inf", float("inf")]}))
+    assert set(one.values()) == {"height=inf"}
     found = sweep(Scene(**SMALL), Load(), folder=tmp_path, progress=False, load_path=shared)
     assert not found.failures and found[shared[0]].points > found[shared[1]].points
 
