@@ -65,7 +65,7 @@ class Sweep(Mapping):
     def __repr__(self):
         names = ", ".join(f"{name} of {len(values)} values"
                           for name, values in self.parameters.items())
-        failed = f", {len(self.failures)} ended early" * bool(self.failures)
+        failed = f", {len(self.failures)} failures" * bool(self.failures)
         return f"<Sweep over {names}: {len(self)} runs in {self.folder}{failed}>"
 
     def take_in(self, values, path, reason):
