@@ -70,7 +70,21 @@ def scene_of(record):
     derived = set(DERIVED) if record.scene.get("units") == "si" else set()
     values = {name: _plain(value) for name, value in record.scene.items()
               if name in known - derived}
+    if values.get("geometry") == "file" and "heights_size" in values:
+        del values["period"]  # which follows from that
     return Scene.typed(**values)
+
+
+def _refuse_changed(record, branch):
+    """InputError where a file that the scene of an archive is made of is another for its branch."""
+    now = branch.attributes()
+    for name, there in record.scene.items():
+        part = name.removesuffix("_sha256")
+        if part != name and now.get(name) != there:
+            field = "geometry_file" if part == "heights" else part
+            raise InputError(f"{Scene.option_name(field)} is '{getattr(branch.scene, field)}', "
+                             f"which is another file than when {record.path} was made: bring that "
+                             "one back, or begin anew")
 
 
 def _plain(value):
@@ -107,7 +121,10 @@ def state_at(branch, record, point):
     branch : Branch of the same scene
     record : Record
     point : int
+
+    InputError where there is none, or a file of the scene is another now.
     """
+    _refuse_changed(record, branch)
     packed = record.states()
     if point in packed:
         return branch.restored(packed[point]).state

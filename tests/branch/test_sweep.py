@@ -55,6 +55,23 @@ def test_a_branch_begins_at_any_point_of_an_archive(tmp_path, scene, force, shea
     assert abs(last.forces[1]) < 1e-7
 
 
+@pytest.mark.parametrize("crop", ["", "8:24"])
+def test_a_branch_begins_on_a_map_whose_size_was_given(tmp_path, crop):
+    np.save(tmp_path / "map.npy", 1e-6 * np.cos(2 * np.pi * np.arange(32) / 32))
+    others = ("radius", "period", "points")
+    given = {name: value for name, value in SI.items() if name not in others}
+    scene = Scene.typed(**given, geometry="file", geometry_file=str(tmp_path / "map.npy"),
+                        heights_size=1e-3, heights_crop=crop)
+    points = kept(Branch(scene, Load(path="normal_displacement=1e-6")), tmp_path / "run.h5", "none")
+    back = Branch.restart(tmp_path / "run.h5", "normal_displacement=0", -1)
+    assert back.scene.period == pytest.approx(scene.period, rel=1e-12)
+    assert next(iter(back)).forces[0] == pytest.approx(points[-1].forces[0], rel=1e-9)
+    np.save(tmp_path / "map.npy", 1.01e-6 * np.cos(2 * np.pi * np.arange(32) / 32))
+    with pytest.raises(InputError, match="-scene_geometry_file is .*map.npy', which is another fil"
+                                         "e than when .*run.h5 was made"):
+        Branch.restart(tmp_path / "run.h5", "normal_displacement=0", -1)
+
+
 def test_without_fields_a_branch_begins_at_the_last_points(tmp_path):
     points = kept(Branch(Scene(**SMALL), Load(path="normal_displacement=1")), tmp_path / "run.h5",
                   "none")
