@@ -81,7 +81,7 @@ def probe(system, leg, history, point):
     history : [(position, Point), ...] of the leg, before the point
     point : Point
     """
-    if len(history) < 2 or system.examiner is None:
+    if len(history) < 2:
         return
     (before, first), (here, last) = history[-2:]
     ahead = last.softest + (last.softest - first.softest) * (point.position

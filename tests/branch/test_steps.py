@@ -245,3 +245,19 @@ def test_a_first_step_that_would_lead_too_far_does_not_fail():
                          Steps(initial_step=0.638, largest_step=1.3), log=said.append))
     assert not [sentence for sentence in said if "failed" in sentence]
     assert points[-1].load[0] == 2.0 and 0.0 < points[1].position < 0.5
+
+
+def test_a_jump_is_met_too_where_the_grid_is_coarse_for_slip_that_does_not_come(tmp_path):
+    """Hills that come into contact in a layer that couples directions: shorter steps tell where."""
+    places, heights = 2.0 * np.pi * np.arange(128) / 128, tmp_path / "hills.npy"
+    np.save(heights, 0.09 * np.cos(places - 0.42) + 0.08 * np.cos(2 * places - 2.32)
+            + 0.73 * np.cos(3 * places + 0.02) + 0.14 * np.cos(4 * places + 1.29))
+    scene = {"points": 128, "period": 16.0, "height": 20.0, "normal_maugis": 2.0,
+             "tangential_maugis": 3.0, "residual_friction": 0.2, "geometry": "file",
+             "geometry_file": str(heights)}
+    start, length = -1.22, 1.86
+    coarse, fine = (walked(scene, "normal_displacement=0.64", 0.5 * length / most, length / most,
+                           f"normal_displacement={start}", at_fold="stop")[-1]
+                    for most in (20.0, 400.0))
+    assert coarse.event == fine.event == "fold"
+    assert coarse.load[0] == pytest.approx(fine.load[0], rel=1e-8)
