@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -57,7 +58,8 @@ class Record(Mapping):
         parts = {part.name: part for part in checksums.parts(file)}
         attributes = parts[""].attributes
         self.path, self.points = Path(file.filename), int(attributes["points"])
-        self._place = self.path.absolute()  # fields are read later, maybe from another folder
+        # Fields are read later, maybe from another folder, or where another run has put its file.
+        self._place, self._key = self.path.absolute(), attributes.get("journal")
         self.complete = bool(attributes["complete"])
         self.scene, self.options = parts["scene/"].attributes, attributes["options"]
         self.versions = dict(line.split(" ", 1) for line in attributes["versions"].splitlines())
@@ -149,11 +151,17 @@ class Record(Mapping):
         return found | {held + place: point.state for place, point in enumerate(self._waiting)}
 
     def _taken(self, take):
-        """What a function takes from the file."""
+        """What a function takes from the file; ArchiveError where that is another one by now."""
         if self._tried:
-            return safely(self._place, take)
+            return safely(self._place, partial(self._own, take))
         with open_archive(self._place) as file:
-            return take(file)
+            return self._own(take, file)
+
+    def _own(self, take, file):
+        """What a function takes from an open file; ArchiveError for one of another run."""
+        if file.attrs.get("journal") != self._key:
+            raise ArchiveError(f"{self.path} is another archive than was read: read it again.")
+        return take(file)
 
     def field(self, name, point):
         """(components, *grid) array of 'displacement', 'traction' or 'mode' at a point of
@@ -230,13 +238,13 @@ class Record(Mapping):
                 kept(fields, point)
 
         if in_file and self._tried:
-            checked(self._place, take)
+            checked(self._place, partial(self._own, take))
         for point in points:
             if point not in in_file:
                 yield [self.field(name, point) for name in names]
                 continue
             with open_archive(self._place) as file:
-                on_active, whole = kept(stored.Fields(file), point)
+                on_active, whole = self._own(lambda own: kept(stored.Fields(own), point), file)
             yield [whole[name] if name in whole else self._cell(name, on_active)
                    for name in names]
 

@@ -165,6 +165,24 @@ def test_h5py_alone_reads_an_archive_between_any_two_points(tmp_path):
             assert not file.attrs["complete"]
 
 
+def test_a_record_takes_no_fields_of_an_archive_that_has_replaced_its_own(tmp_path):
+    """Those of a run that goes on it does."""
+    made = Archive.create(tmp_path / "run.h5", **fields_content("all"))
+    append(made, 3)
+    made.settle()
+    record = read(made.path)
+    append(made, 2)
+    made.finish()
+    assert np.all(record.field("displacement", 1) == 1)
+    other = Archive.create(tmp_path / "run.h5", overwrite=True, **fields_content("all"))
+    append(other, 4)
+    for take in (lambda: record.field("displacement", 1), lambda: list(record.each([1])),
+                 record.states):
+        with pytest.raises(ArchiveError, match="run.h5 is another archive than was read"):
+            take()
+    assert np.all(read(made.path).field("displacement", 1) == 1)
+
+
 def test_a_record_reads_its_own_file_from_any_folder(tmp_path, monkeypatch):
     """Where its name is that of another archive there, too."""
     for folder, first in (("one", 0), ("two", 5)):
