@@ -10,7 +10,7 @@ import pytest
 
 petsc4py.init([])
 
-from test_continuation import Problem, System, path  # noqa: E402
+from test_continuation import Problem, System, curve, path  # noqa: E402
 from test_continuation import followed as solved
 
 from contactsnes.branch.branch import Branch  # noqa: E402
@@ -20,8 +20,9 @@ from contactsnes.contact.problem import DISPLACEMENT, Contact  # noqa: E402
 from contactsnes.contact.state import State  # noqa: E402
 from contactsnes.continuation.arc_steps import PACE  # noqa: E402
 from contactsnes.continuation.arclength import ArcLengthSteps  # noqa: E402
+from contactsnes.continuation.folds import FoldSearch  # noqa: E402
 from contactsnes.continuation.limit_points import BracketEnd, LimitPoint  # noqa: E402
-from contactsnes.continuation.points import NoEquilibrium, NotConverged  # noqa: E402
+from contactsnes.continuation.points import Leg, NoEquilibrium, NotConverged  # noqa: E402
 from contactsnes.continuation.predictors import PREDICTORS  # noqa: E402
 from contactsnes.kernels.choice import chosen  # noqa: E402
 from contactsnes.options.fields import InputError  # noqa: E402
@@ -378,6 +379,40 @@ def test_two_folds_near_each_other_are_found(back):
     found = [point.state[0] for point in points if point.event == "fold"]
     assert error is None and found == pytest.approx([-np.sqrt(back / 3.0), np.sqrt(back / 3.0)],
                                                     rel=1e-3)
+
+
+def points_of(back, *unknowns):
+    """System, leg, and [(position, point), ...] of load = u^3 - back u at some u."""
+    system = System(curve(lambda u: u ** 3 - back * u, lambda u: 3.0 * u ** 2 - back))
+    leg = Leg(1, ("displacement",), np.array([-1.5]), np.array([1.5]), 0, 0.1, 0.1, 1e-6)
+    points = [system.solve([u], leg.controls, np.array([u ** 3 - back * u])) for u in unknowns]
+    return system, leg, [(place, point.changed(leg=1, position=place)) for point in points
+                         for place in ((point.load[0] + 1.5) / 3.0,)]
+
+
+def test_a_step_from_next_to_a_fold_is_asked_for_two():
+    """Its mean is larger than that of the short step to there, as where the branch leads straight
+    on."""
+    system, leg, points = points_of(0.01, -1.1, -0.2, -0.058, 0.3)
+    steps = ArcLengthSteps(system, leg, points[:1], PREDICTORS["edge"], "trace")
+    steps._restart()
+    steps.history = points[:2]
+    assert steps._fold_before(points[2][1]) == (None, False)
+    steps.history = points[1:3]
+    with pytest.raises(NotConverged, match="turns more than once"):
+        steps._fold_before(points[3][1])
+
+
+@pytest.mark.parametrize("back, more", [(0.01, True), (-0.01, False)])
+def test_a_search_that_finds_the_load_risen_asks_whether_it_has_turned_twice(back, more):
+    system, leg, points = points_of(back, -0.2, -0.07, 0.12)
+    search = FoldSearch(system, leg, points[:2])
+    if more:
+        with pytest.raises(NotConverged, match="turns more than once"):
+            search._locate(points)
+    else:
+        fold, beyond, trail = search._locate(points)
+        assert fold is beyond is None and trail[:3] == points
 
 
 def test_what_the_position_counts_follows_the_points():
