@@ -159,8 +159,10 @@ def _completed(found, scene, units):
         made = deformed(scaled, symbols, axes)[..., :shape[-1]]
         for i, component in enumerate(both):
             known = ~np.isnan(values[i])
-            mean = (np.mean((values[i] - made[i])[known]) if isolated else found.mean[point, i]
-                    / units.get(component + "_displacement", 1.0) - made[i].mean())
+            # (where nothing acts the body moves as a whole)
+            mean = (np.mean((values[i] - made[i])[known]) if isolated and known.any()
+                    else found.mean[point, i] / units.get(component + "_displacement", 1.0)
+                    - made[i].mean())
             values[i] = np.where(known, values[i], made[i] + mean)
 
 

@@ -152,10 +152,14 @@ PLANE = {"scene_dimension": 2, "scene_points": 16, "scene_period": 8, "scene_geo
          "load_path": "normal_displacement=1; tangential_displacement_y=1"}
 
 
-@pytest.mark.parametrize("options", [PLANE, {"load_path": "normal_displacement=1"},
-                                     {"load_path": "normal_force=1", "scene_period": "inf",
-                                      "scene_points": None, "scene_spacing": 0.2}],
-                         ids=["plane", "line", "isolated"])
+ISOLATED = {"load_path": "normal_force=1", "scene_period": "inf", "scene_points": None,
+            "scene_spacing": 0.2}
+
+
+@pytest.mark.parametrize("options", [PLANE, {"load_path": "normal_displacement=1"}, ISOLATED,
+                                     {**ISOLATED, "scene_law": "dugdale",
+                                      "scene_dugdale_width": 0.5, "scene_normal_maugis": 1.2}],
+                         ids=["plane", "line", "isolated", "apart"])
 def test_fields_on_active_nodes_are_checked_as_those_of_the_cell(worker, tmp_path, options):
     import h5py
 
