@@ -55,6 +55,12 @@ class Modes:
         """The eigenvalue of smallest real part."""
         return complex(self.values[0])
 
+    def told(self, number):
+        """An eigenvalue with what of its imaginary part is more than its residual: two that are
+        about one look like a pair."""
+        value = complex(self.values[number])
+        return value if abs(value.imag) > self.residuals[number] else complex(value.real)
+
 
 class Space:
     """Vectors with their products with J, split by symmetry, and what the projection of J on them

@@ -119,7 +119,7 @@ class Stability:
     def _with_leading(self, point, modes, number):
         """The point with an eigenvalue and its mode."""
         mode = self._operator.state(oriented(modes.vectors[number], self._operator))
-        return replace(point, leading_eigenvalue=complex(modes.values[number]), mode=mode)
+        return replace(point, leading_eigenvalue=modes.told(number), mode=mode)
 
     def _leave_symmetry(self, modes):
         """Take no state for even any more where an unstable mode is not."""

@@ -6,7 +6,7 @@ import pytest
 
 from contactsnes.continuation.points import NotConverged
 from contactsnes.dynamics.modes import NEUTRAL, leading_modes, oriented
-from contactsnes.dynamics.projection import Space, joined, projected
+from contactsnes.dynamics.projection import Modes, Space, joined, projected
 from contactsnes.dynamics.sectors import Sectors
 from contactsnes.grid.contours import first_largest
 from contactsnes.kernels import library
@@ -190,3 +190,12 @@ def test_modes_that_the_library_sums_are_numpys(size, count):
     np.testing.assert_array_equal(found.values, expected.values)
     np.testing.assert_allclose(found.vectors, expected.vectors, rtol=0, atol=1e-14)
     np.testing.assert_allclose(found.defects, expected.defects, rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("error, imaginary", [(1e-4, 0.0), (1e-6, 2e-5)])
+def test_an_imaginary_part_within_the_residual_is_none(error, imaginary):
+    """Two eigenvalues that are one look like a pair where vectors are not quite their modes."""
+    values = np.array([0.5 + 2e-5j, 0.7])
+    defects = np.array([[error, 0.0], [0.0, error]], dtype=complex)
+    modes = Modes(values, np.eye(2, dtype=complex), defects, np.array([True, True]))
+    assert modes.told(0) == complex(0.5, imaginary) and modes.told(1) == 0.7

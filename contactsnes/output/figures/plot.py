@@ -28,7 +28,7 @@ from typing import NamedTuple
 
 import matplotlib
 
-from ...options.arguments import several
+from ...options.arguments import a_path, several
 from ...options.fields import InputError
 from ..asked import PlotOptions, listed
 from ..files import ArchiveError
@@ -126,7 +126,7 @@ def draw(paths, asked):
 def _refuse_shared(paths, output):
     """InputError where figures of one archive would replace those of another."""
     found = {}
-    for path in (Path(path).absolute() for path in paths):
+    for path in (Path(a_path("the archive", path, "the path of one")).absolute() for path in paths):
         other = found.setdefault(Path(output or path.parent, path.stem), path)
         if other != path:
             raise InputError(f"{path} would have figures of the names that those of {other} have: "
