@@ -202,7 +202,7 @@ def _check_types():
             told = f"is '{text}', a type that PETSc has not here" if text else "has no value"
             method = Path(located(f"{text}.opts"))
             like = (f": the file {method.name} is that method, name it in place of the option"
-                    if method.is_file() and f"-{name}" in method.read_text(encoding="utf-8")
+                    if os.path.isfile(method) and f"-{name}" in method.read_text(encoding="utf-8")
                     else meant(text, types, ": leave it out for the usual one"))
             raise InputError(f"-{name} {told}{like}") from None
         finally:
