@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from .points import NotConverged
-from .predictors.predictor import moved_on
+from .predictors.predictor import moved_on, through
 
 NEUTRAL = 1e-5
 """Real part up to which a mode counts as neutral, neither stable nor unstable: a pattern on a flat
@@ -14,8 +14,14 @@ may be anywhere."""
 
 PRECISION = 2e-9
 """Relative accuracy in the load to which a bifurcation is located."""
+SAME = 3e-7
+"""Eigenvalue of a mode at a bifurcation up to which it is that one's, too: rounding makes up to
+1e-7 of modes that vanish at once."""
 MISSED = 0.5
 """Part of a step that a solve within it may end from its prediction."""
+NEAR = 0.1
+"""Part of what is known of a branch within which a polynomial foretells best: following edges has
+an error of the grid's, which next to a vanishing eigenvalue leads off the branch."""
 VANISHED = 1e-3
 """Part of its values at the ends of a step below which an eigenvalue is zero at a root, and does
 not jump through it."""
@@ -174,7 +180,8 @@ def between(system, stability, leg, before, after):
     for index in range(fewer + _from_a_fold(before[1], after[1]), more):
         sentence = _not_located(system, leg, before, after)
         try:
-            if any(_fades(stability, point, index) for _, point in (before, after)):
+            if (any(_vanishes(stability, point, index) for point in found)
+                    or any(_fades(stability, point, index) for _, point in (before, after))):
                 continue
             point = _root(system, stability, leg, [before, after], index)
         except NotConverged as error:
@@ -185,11 +192,17 @@ def between(system, stability, leg, before, after):
         if point is None:
             system.log(f"{sentence}: an eigenvalue jumps through zero")
             continue
-        # Both of a complex pair cross at one place.
-        if all(abs(point.position - other.position) > 2.0 * _precision(leg, point.position)
-               for other in found):
-            found.append(point)
+        found.append(point)
     return sorted(found, key=lambda point: abs(point.position - before[0]))
+
+
+def _vanishes(stability, point, index):
+    """Whether an eigenvalue vanishes at a bifurcation, too: that of another of several modes that
+    change at once, or the other one of a complex pair."""
+    try:
+        return abs(stability.critical(point, index)[0]) <= SAME
+    except NotConverged:
+        return False
 
 
 def _parts(error, first, last):
@@ -275,7 +288,9 @@ def _solved(system, leg, known, position, far):
     """The point at a position between two known ones; the nearest one beyond them helps to foretell
     it."""
     nodes = sorted(sorted(known, key=lambda place: abs(place - position))[:3])
-    guess = moved_on(system, [known[place] for place in nodes], nodes, position)
+    near = min(abs(node - position) for node in nodes) < NEAR * (max(known) - min(known))
+    foretold = through if near else moved_on
+    guess = foretold(system, [known[place] for place in nodes], nodes, position)
     point = system.solve(guess, leg.controls, leg.load(position))
     if system.missed(guess, point.state) > MISSED * far:
         raise NotConverged("a solve in between left the branch")

@@ -137,7 +137,7 @@ class NaturalSteps(LoadSteps):
         """Yield what bifurcates on the way to a point, then the point, or the stable one beside it
         that is to be followed."""
         last = self.history[-1]
-        for critical in found:
+        for critical, following in zip(found, [*found[1:], point]):
             if critical.position != last[0]:
                 yield replace(critical, origin=self.leg.start, spent=self.system.account(),
                               step=abs(point.position - critical.position))
@@ -148,8 +148,8 @@ class NaturalSteps(LoadSteps):
             if self.at_bifurcation == "follow" and lost > 0:
                 beside = branching.followed(self.system, self.certify, self.leg, critical, point)
                 if beside is not None:
-                    self._tell_of_others(critical, lost - sum(
-                        abs(other.position - critical.position) > SAME for other in found))
+                    self._tell_of_others(critical,
+                                         following.unstable_modes - critical.unstable_modes)
                     self.history = []
                     yield self._accept(replace(beside, step=min(point.step, self.leg.initial)))
                     return

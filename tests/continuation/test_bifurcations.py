@@ -121,12 +121,17 @@ def broken(bias):
                    load: np.array([-1.0, -x[1]]))
 
 
-def two_crossings(first, second):
-    """Two unknowns that lose their stability at two loads, beside one that follows the load."""
-    places = np.array([first, second])
+def several_crossings(places):
+    """Unknowns that lose their stability at loads, beside one that follows the load."""
+    places = np.array(places)
     return Problem(lambda x, load: np.append(x[0] - load, x[1:] * (x[1:] ** 2 + places - load)),
                    lambda x, load: np.diag(np.append(1.0, 3 * x[1:] ** 2 + places - load)),
                    lambda x, load: np.append(-1.0, -x[1:]))
+
+
+def two_crossings(first, second):
+    """Two of them."""
+    return several_crossings((first, second))
 
 
 def flutter():
@@ -354,6 +359,55 @@ def test_all_modes_that_change_in_a_step_are_found(second):
     found = [point for point in points if point.event == "bifurcation"]
     assert [point.load[-1] for point in found] == pytest.approx([0.3, second], rel=1e-8)
     assert [point.unstable_modes for point in found] == [0, 1] and points[-1].unstable_modes == 2
+
+
+@pytest.mark.parametrize("places, counts", [((0.3, 0.3), [0]), ((0.3, 0.3, 0.31), [0, 2]),
+                                            ((0.3, 0.31, 0.31), [0, 1])])
+def test_modes_that_change_at_once_are_one_bifurcation_whatever_rounding_makes_of_them(places,
+                                                                                       counts):
+    """Eigenvalues of large systems are known to some 1e-8, by which places of their roots differ by
+    more than one is known to."""
+    problem, size = several_crossings(places), len(places) + 1
+    system = System(problem)
+    exact = Dense(system)
+
+    class Rounded(Dense):
+        def critical(self, point, number):
+            value, point = exact.critical(point, number)
+            return value + 5e-8 * (-1.0) ** number, point
+
+    points, _ = followed(path(system, (0.0, 1.0), (0.0,) * size, certify=Rounded(system)))
+    found = [point for point in points if point.event == "bifurcation"]
+    assert [point.unstable_modes for point in found] == counts
+    assert [point.load[-1] for point in found] == pytest.approx(sorted(set(places)), abs=1e-7)
+    assert points[-1].unstable_modes == len(places) and not system.sentences
+
+
+def test_following_edges_on_a_coarse_grid_leads_no_search_off_the_branch():
+    """Next to where an eigenvalue vanishes a solve leaves the branch if it begins beside it, and
+    following edges has an error that does not fall with the step."""
+    softening = lambda x, load: 0.75 - load - load ** 2 - x[1] ** 2
+    problem = Problem(lambda x, load: np.array([x[0] - load, x[1] * softening(x, load)]),
+                      lambda x, load: np.diag([1.0, softening(x, load) - 2.0 * x[1] ** 2]),
+                      lambda x, load: np.array([-1.0, -x[1] * (1.0 + 2.0 * load)]))
+
+    class Coarse(System):
+        def follow_edge(self, points, weights):
+            return self.extrapolate(points, weights) + np.array([0.0, 2e-5])
+
+        def solve(self, guess, controls, load):
+            softness = abs(np.linalg.eigvals(problem.jacobian(guess, load[-1]))).min()
+            if abs(guess[1]) > max(0.1 * softness, 1e-7):
+                raise NotConverged("the solve diverged")
+            return super().solve(guess, controls, load)
+
+    system = Coarse(problem)
+    stability, ends = Dense(system), []
+    for place in (0.3, 0.8):
+        point = system.solve(np.array([place, 0.0]), UNIT_LEG.controls, UNIT_LEG.load(place))
+        ends.append((place, stability(replace(point, position=place))))
+    found = between(system, stability, UNIT_LEG, *ends)
+    assert [point.position for point in found] == [pytest.approx(0.5, abs=1e-8)]
 
 
 @pytest.mark.parametrize("least, solves", [(-0.05, 2), (0.01, 2), (1.0, 0)])
