@@ -23,8 +23,10 @@ from processes import call
 
 ROOT = Path(__file__).resolve().parents[2]
 FORKS = str(Path(__file__).with_name("forks.py"))
-MODULES = ("h5py", "contactsnes.branch.branch", "contactsnes.commands.cli",
-           "contactsnes.commands.run", "contactsnes.output.archive", "contactsnes.output.resuming")
+MODULES = ("h5py", "contactsnes.branch.branch", "contactsnes.branch.unread",
+           "contactsnes.commands.cli", "contactsnes.commands.run", "contactsnes.grid.slab_even",
+           "contactsnes.grid.slabs", "contactsnes.output.archive", "contactsnes.output.resuming",
+           "contactsnes.output.shared", "scipy.ndimage")
 """What most programs import, here or later."""
 PACKAGES = ("mpi4py",)
 SIZES = (2, 3)
