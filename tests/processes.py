@@ -26,13 +26,18 @@ atexit.register(_STARTER.end)
 def call(*arguments, folder, env=None):
     """A finished process of the command: a fork of one that has imported what commands import,
     where the system has cheap ones and the environment is the usual one."""
+    return run(*COMMAND[1:], *arguments, folder=folder, env=env)
+
+
+def run(*arguments, folder, env=None):
+    """As `call`, of Python with some arguments: a program's path and its own."""
     words = list(map(str, arguments))
     if env is not None or sys.platform != "linux":
-        return subprocess.run([*COMMAND, *words], cwd=folder, env=env or ENVIRONMENT,
+        return subprocess.run([sys.executable, *words], cwd=folder, env=env or ENVIRONMENT,
                               capture_output=True, text=True, timeout=SECONDS, check=False)
     with tempfile.TemporaryDirectory() as apart:
         texts = [Path(apart) / name for name in ("said", "complaints")]
-        status, _ = _STARTER.run([*COMMAND[1:], *words], *texts, folder, SECONDS)
+        status, _ = _STARTER.run(words, *texts, folder, SECONDS)
         return subprocess.CompletedProcess(words, status, *(text.read_text() for text in texts))
 
 

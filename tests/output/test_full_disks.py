@@ -2,23 +2,16 @@
 written."""
 
 import os
-import subprocess
-import sys
 
 import pytest
-from processes import ENVIRONMENT, ROOT
+from processes import ROOT, call, run
 
 from contactsnes.output.tables import replaced
 
-RUN = """
-from contactsnes.commands.cli import main
-assert main(["run", "-scene_points", "128", "-scene_period", "20", "-scene_normal_maugis", "1",
-             "-load_path", "normal_displacement=0.5", "-archive_file", "run.h5",
-             "-archive_fields", "all"]) == 0
-"""
 SHOW = """
 import resource, sys
 from contactsnes.commands.cli import main
+sys.dont_write_bytecode = True  # what is imported from here on would be left cut off
 resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
 sys.exit(main(sys.argv[1:]))
 """
@@ -28,9 +21,24 @@ sys.exit(main(sys.argv[1:]))
 def folder(tmp_path_factory):
     """A folder with an archive."""
     path = tmp_path_factory.mktemp("full")
-    subprocess.run([sys.executable, "-c", RUN], check=True, cwd=path, env=ENVIRONMENT,
-                   capture_output=True)
+    done = call("run", "-scene_points", "128", "-scene_period", "20", "-scene_normal_maugis", "1",
+                "-load_path", "normal_displacement=0.5", "-continuation_initial_step", "0.25",
+                "-archive_file", "run.h5", "-archive_fields", "all", folder=path)
+    assert done.returncode == 0, done.stderr
     return path
+
+
+@pytest.fixture(scope="module")
+def show(tmp_path_factory):
+    """A function that shows an archive in a process whose files have a kB, or a few."""
+    path = tmp_path_factory.mktemp("show")
+
+    def shown(words, folder, size=1000):
+        program = path / f"show{size}.py"
+        program.write_text(SHOW.replace("1000", str(size)), encoding="utf-8")
+        return run(program, *words, folder=folder)
+
+    return shown
 
 
 @pytest.mark.parametrize("words, name", ((("table", "run.h5", "-output", "all.csv"), "all.csv"),
@@ -41,23 +49,21 @@ def folder(tmp_path_factory):
                                           "run-approach.svg"),
                                          (("plot", "run.h5", "-plot_format", "pdf"),
                                           "run-approach.pdf")))
-def test_what_was_there_stays(folder, words, name):
+def test_what_was_there_stays(folder, show, words, name):
     (folder / name).write_text("of before", encoding="utf-8")
     before = sorted(path.name for path in folder.iterdir())
-    done = subprocess.run([sys.executable, "-c", SHOW, *words], cwd=folder, env=ENVIRONMENT,
-                          capture_output=True, text=True)
+    done = show(words, folder)
     assert done.returncode == 1 and "what is made of run.h5 cannot be written" in done.stderr
     assert (folder / name).read_text(encoding="utf-8") == "of before"
     assert sorted(path.name for path in folder.iterdir()) == before
 
 
-def test_a_comparison_names_its_files(tmp_path):
+def test_a_comparison_names_its_files(show, tmp_path):
     words = ["compare", *(ROOT / "options" / name for name in ("cylinder.opts", "newton.opts")),
              "-scene_points", "64", "-scene_period", "20", "-load_path", "normal_displacement=0.1",
              "-compare_file", "two"]
     # the options, which are read by way of a file in memory, take up to 2 kB
-    done = subprocess.run([sys.executable, "-c", SHOW.replace("1000", "4000"), *words],
-                          cwd=tmp_path, env=ENVIRONMENT, capture_output=True, text=True)
+    done = show(words, tmp_path, 4000)
     assert done.returncode == 1 and "the comparison two cannot be written" in done.stderr
     assert [path.name for path in tmp_path.iterdir()] in ([], ["two.csv"])  # which may have room
 
