@@ -1,8 +1,10 @@
 """Sweeps, branches that begin at a point of an archive, and what objects say of themselves."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
+import processes
 import pytest
 
 from contactsnes import Branch, Form, Load, Scene, Steps, read, reference, sweep
@@ -16,6 +18,15 @@ SMALL = dict(points=128, period=20.0, normal_maugis=1.0)
 SI = dict(units="si", work_of_adhesion_normal=0.03, work_of_adhesion_tangential=0.03,
           contact_modulus=2e6, radius=0.01, range_normal=1.3e-6, range_tangential=1.3e-6,
           period=0.0023, height=0.2, points=128)
+
+
+@pytest.fixture
+def forks(monkeypatch, tmp_path):
+    """Runs of sweeps are forks of a process that has imported what they need."""
+    def run(words, **_):
+        return processes.run(*words[1:], folder=tmp_path)
+
+    monkeypatch.setattr("contactsnes.branch.sweep.subprocess", SimpleNamespace(run=run))
 
 
 def kept(branch, path, fields="all"):
@@ -130,6 +141,7 @@ def test_a_sweep_finds_what_theory_says_and_is_taken_up_again(tmp_path, jobs, mo
     assert np.array_equal(again.take("normal_force"), found.take("normal_force"))
 
 
+@pytest.mark.usefixtures("forks")
 def test_a_run_that_ends_early_says_why(tmp_path):
     found = sweep(Scene(**SMALL), Load(path="normal_force=1"), folder=tmp_path, progress=False,
                   load_path=["normal_force=-9", "normal_force=0.5"])
@@ -167,12 +179,14 @@ def test_options_that_are_none_of_scenes_are_refused_before_it_runs_too(tmp_path
     assert not (tmp_path / "none").exists()
 
 
+@pytest.mark.usefixtures("forks")
 def test_options_of_scenes_that_begin_as_others_do_vary(tmp_path):
     found = sweep(Scene(**SMALL), Load(path="normal_displacement=1"), folder=tmp_path,
                   progress=False, contact_threshold=[1.0, 2.0])
     assert not found.failures and np.diff(found.take("contact_area")) > 0.1
 
 
+@pytest.mark.usefixtures("forks")
 def test_what_another_run_has_left_in_the_folder_is_no_record(tmp_path):
     """A run that is refused has no points; those in a file of its name are of another one."""
     given = dict(folder=tmp_path, progress=False, points=[128])
@@ -182,6 +196,7 @@ def test_what_another_run_has_left_in_the_folder_is_no_record(tmp_path):
     assert list(other) == [] and np.isnan(other.take("normal_force"))
 
 
+@pytest.mark.usefixtures("forks")
 def test_what_complete_runs_lack_is_a_failure_and_their_points_are_there(tmp_path):
     given = dict(folder=tmp_path, progress=False, points=[128])
     load = Load(path="normal_displacement=1")
@@ -193,6 +208,7 @@ def test_what_complete_runs_lack_is_a_failure_and_their_points_are_there(tmp_pat
     assert not sweep(Scene(**SMALL), load, **given).failures
 
 
+@pytest.mark.usefixtures("forks")
 def test_a_damaged_archive_is_a_failure_of_its_run_only(tmp_path):
     (tmp_path / "points=128.h5").write_text("none")
     found = sweep(Scene(**SMALL), Load(path="normal_displacement=1"), folder=tmp_path,
@@ -201,6 +217,7 @@ def test_a_damaged_archive_is_a_failure_of_its_run_only(tmp_path):
     assert (tmp_path / "points=128.h5").read_text() == "none"
 
 
+@pytest.mark.usefixtures("forks")
 def test_runs_have_archives_of_their_own_however_long_their_values(tmp_path):
     """Names of files hold no more than 255 bytes, and not every sign."""
     shared = ["normal_force=1; tangential_force=0.1", "normal_force=1, tangential_force=0.1"]
