@@ -578,7 +578,8 @@ def test_transforms_of_a_run_are_all_counted(counter, form, predictor):
                                                       path="normal_displacement=20; "
                                                       "tangential_displacement=3, "
                                                       "normal_force=12"),
-                    Steps(predictor=predictor), form)
+                    Steps(predictor=predictor, initial_step=(2.0, 0.3), largest_step=(4.0, 0.6)),
+                    form)
     spent, windows = np.zeros(2), set()
     names = "transforms", "transforms_single"
     for point in branch:

@@ -60,16 +60,18 @@ def test_spots_of_a_line_are_counted():
 
 
 @pytest.mark.parametrize("scene, path", [
-    ({"points": 1024}, "normal_force=20"),
-    ({"points": 1024, "poisson": 0.3, "height": 5.0}, "normal_force=5; tangential_force=1"),
-    ({"points": 1024, "poisson": 0.3, "height": 5.0, "tangential_maugis": 2.0},
+    ({"points": 1024, "normal_maugis": 3.0}, "normal_force=20"),
+    ({"points": 1024, "normal_maugis": 3.0, "poisson": 0.3, "height": 5.0},
+     "normal_force=5; tangential_force=1"),
+    ({"points": 1024, "normal_maugis": 3.0, "poisson": 0.3, "height": 5.0,
+      "tangential_maugis": 2.0},
      "normal_displacement=1; tangential_displacement=1"),
     (ROUGH | {"poisson": 0.3, "height": 4.0}, "normal_force=5"),
     ({"dimension": 2, "geometry": "sphere", "period": float("inf"), "normal_maugis": 3.0},
      "normal_force=3")])
 def test_stiffness_is_the_derivative_of_the_force(scene, path):
     """Against differences of points near it: what else is controlled is held."""
-    branch = Branch(Scene(**scene), Load(path=path))
+    branch = Branch(Scene(**scene), Load(path=path), Steps(initial_step=1.0, largest_step=10.0))
     point = list(branch)[-1]
     normal = "force" if branch.scene.isolated else "displacement"
     controls, solve = (normal, *point.controls[1:]), branch.corrector.solve
