@@ -221,6 +221,15 @@ def symmetries(contact, state):
     return found
 
 
+def evened(state, axes):
+    """A state without what its `symmetries` change in it, by which J would tie modes of different
+    symmetry to each other."""
+    field = state.displacement
+    for axis, signs in axes:
+        field = 0.5 * (field + mirrored(state.window, field, axis, signs))
+    return State(state.window, field, state.means)
+
+
 def _inner_compliance(contact, rigid):
     """What the mean traction moves the whole surface by around an isolated contact, in ranges of
     the law."""

@@ -69,13 +69,13 @@ def leading_modes(operator, axes=(), start=(), accurate=ACCURATE, number=0, neut
     """
     alone = getattr(operator, "shared", None) is None
     if alone and operator.size <= DENSE:
-        return [_all_modes(operator)]
-    space = Space(operator, axes)
+        return [_all_modes(operator, number)]
+    space = Space(operator, axes, number)
     found = _searched(space, start, accurate, number, neutral)
     if found is not None:
         return found
     if alone and operator.size <= LARGEST_DENSE:
-        return [_all_modes(operator)]
+        return [_all_modes(operator, number)]
     modes = joined(space.modes())
     raise NotConverged("the modes of the point were not found: eigenvalue "
                        f"{modes.leading:.3g}, residual {modes.residuals[0]:.1g} after "
@@ -244,9 +244,10 @@ def _inaccurate(modes, accurate, last):
     return not np.all((modes.residuals <= allowed)[counts])
 
 
-def _all_modes(operator):
-    """All modes by a dense matrix, whatever their symmetry; of the stable ones the first."""
+def _all_modes(operator, number):
+    """All modes by a dense matrix, whatever their symmetry; of the stable ones the first, and those
+    up to a ``number``."""
     unit, occupied = np.eye(operator.size), _occupied(operator)
     unit = unit if occupied is None else unit[occupied]
     images = np.array([operator.apply(one) for one in unit])
-    return projected(unit, images, unit @ images.T, 1)
+    return projected(unit, images, unit @ images.T, 1, number)

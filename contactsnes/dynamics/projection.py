@@ -72,14 +72,15 @@ class Space:
         ``parts`` and ``whole`` (as `sectors.Sectors`) or ``mirror``; where vectors are shared out
         among processes, the grid that sums over them, ``shared``
     axes : symmetries, second arguments of ``mirror``, under which J does not change
+    number : of the last mode that is asked for, 0 for the leading one
     """
 
-    def __init__(self, operator, axes=()):
+    def __init__(self, operator, axes=(), number=0):
         self.operator, self.grid = operator, getattr(operator, "shared", None)
         self.by = (Sectors(operator, axes) if axes else operator if hasattr(operator, "parts")
                    else Together(operator.size))
         # the edges of contact have one each where no symmetry tells them apart
-        self._certain = 2 if len(self.by.lengths) == 1 else 1
+        self._certain, self._number = 2 if len(self.by.lengths) == 1 else 1, number
         self._kernels = (None if isinstance(self.by, Sectors)
                          else getattr(operator, "kernels", None))
         self._sectors = [_Sector(length, self.grid, bool(self._kernels))
@@ -147,7 +148,7 @@ class Space:
 
     def found(self):
         """{number of a symmetry that occurs: modes of J projected on its vectors, as parts}."""
-        return {number: sector.modes(self._certain)
+        return {number: sector.modes(self._certain, self._number)
                 for number, sector in enumerate(self._sectors) if sector.count}
 
     def modes(self):
@@ -227,18 +228,18 @@ class _Sector:
         self._make_room(count)
         self.count = kernel.run(shift, begin, count, self._held, self.count, ASTRAY)
 
-    def modes(self, certain):
-        """`Modes` of the projection, those after the unstable ones that are ``certain`` to be
-        accurate; the same again as long as no vector is new."""
+    def modes(self, certain, number):
+        """`Modes` of the projection, as of `projected`; the same again as long as no vector is
+        new."""
         if self._known is None or self._known[0] != self.count:
             held = slice(0, self.count)
             self._known = self.count, projected(
-                *self._rows[:, held], self._products[held, held], certain, self._grid,
-                self._compiled)
+                *self._rows[:, held], self._products[held, held], certain, number,
+                self._grid, self._compiled)
         return self._known[1]
 
 
-def projected(basis, images, products, certain, grid=None, compiled=False):
+def projected(basis, images, products, certain, number=0, grid=None, compiled=False):
     """`Modes` of the projection of J on orthonormal vectors.
 
     Parameters
@@ -247,6 +248,7 @@ def projected(basis, images, products, certain, grid=None, compiled=False):
     images : J times these, rows
     products : array, products of the first with the second
     certain : int, modes after the unstable ones that are to be accurate
+    number : of the last mode that is asked for: all up to that may be of this symmetry
     grid : Grid that sums over processes, where vectors are shared out among some
     compiled : bool, whether the library sums real vectors
     """
@@ -256,7 +258,8 @@ def projected(basis, images, products, certain, grid=None, compiled=False):
         kept = kept[values[kept].imag >= 0.0]
     values = values[kept]
     certain += np.count_nonzero(values.real < 0.0)
-    values, coefficients = values[:certain + 1], coefficients[:, kept[:certain + 1]].T
+    told = max(certain, number) + 1
+    values, coefficients = values[:told], coefficients[:, kept[:told]].T
     if np.iscomplexobj(values) and not values.imag.any():
         # others are complex
         values, coefficients = values.real, coefficients.real

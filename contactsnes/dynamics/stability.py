@@ -17,7 +17,7 @@ from ..options.database import read
 from ..options.fields import InputError
 from ..solvers.capabilities import asked, has_modes
 from ..solvers.core_zone import CoreOptions
-from .linearised import Overdamped, symmetries
+from .linearised import Overdamped, evened, symmetries
 from .modes import ACCURATE, leading_modes, oriented, soft, summed
 from .parted import Parted
 from .projection import joined
@@ -170,7 +170,7 @@ class Stability:
         axes = symmetries(self.contact, even)
         if self.contact.grid.shared and len(axes) < len(window.shape):
             return state, []  # nodes of one process have their images in others
-        return even if axes else state, axes
+        return (evened(even, axes), axes) if axes else (state, axes)
 
     def _linearised(self, state, controls, axes):
         """J at a state whose symmetries are ``axes``, at fields of each symmetry apart where these

@@ -70,6 +70,16 @@ def test_leading_modes_are_those_of_dense_matrices(leading, seed):
     np.testing.assert_allclose(operator.matrix @ vector, modes.leading * vector, atol=2e-6)
 
 
+@pytest.mark.parametrize("size", [20, 160])
+def test_all_modes_up_to_one_that_is_asked_for_are_told(size):
+    """However many of them are stable: where several change in a step, each of these is."""
+    operator = Dense([-0.3, -0.2, 0.05, 0.1, 0.15, 0.25, 0.35] + LARGE, size=size)
+    for number in range(7):
+        modes = joined(leading_modes(operator, accurate=1e-6, number=number))
+        assert modes.real_parts()[:number + 1] == pytest.approx(operator.all()[:number + 1].real,
+                                                                abs=1e-5)
+
+
 def test_modes_nearby_are_a_good_beginning():
     """Signs need less than a leading mode, and both less than from noise."""
     operator = Dense([0.07, 0.1] + LARGE)
