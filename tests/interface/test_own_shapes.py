@@ -341,7 +341,7 @@ class Graded(Body):
 def test_a_new_shape_and_a_new_body_are_one_file_each(tmp_path):
     """In a copy of the package: help, checks, what has no effect, a solve and its archive."""
     shutil.copytree(ROOT / "contactsnes", tmp_path / "contactsnes",
-                    ignore=shutil.ignore_patterns("__pycache__"))
+                    ignore=shutil.ignore_patterns("*.pyc.*"))  # which are being written
     for name, text in NEW.items():
         (tmp_path / "contactsnes/interface" / name).write_text(text, encoding="utf-8")
     small = ("-scene_geometry", "wedge", "-scene_body", "graded", "-scene_points", "128",

@@ -84,7 +84,7 @@ def extended(tmp_path_factory):
     docs/extending.md shows."""
     folder = tmp_path_factory.mktemp("extended")
     shutil.copytree(ROOT / "contactsnes", folder / "contactsnes",
-                    ignore=shutil.ignore_patterns("__pycache__"))
+                    ignore=shutil.ignore_patterns("*.pyc.*"))  # which are being written
     page = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
     shown = re.findall(r"```python\n(.*?)```", page, flags=re.S)
     for name, text in (("solvers/heavy_ball.py", "class HeavyBall("),
