@@ -110,6 +110,7 @@ def next_grid(scene, load, error):
     return _unbounded(scene, on(cell, points)) if fits else None
 
 
+@lru_cache(maxsize=256)
 def predicted(scene, sheared, axis, points):
     """Relative error of force and area to be expected of a direction's number of points; 0 where
     nothing varies along it.

@@ -4,6 +4,7 @@ them."""
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from test_reference import integral
 
 from contactsnes import Branch, Load, Scene, Steps, reference
 from contactsnes.interface.laws import LAWS
@@ -122,8 +123,8 @@ def test_friction_acts_beyond_hertz_by_the_range_of_the_law(period):
 
     def lowered(x):
         pressed = lambda t: reference.hertz_line_pressure(a * np.sin(t), a, period) * a * np.cos(t)
-        return 2 / np.pi * quad(lambda t: kernel(x - a * np.sin(t)) * pressed(t), -np.pi / 2,
-                                np.pi / 2, epsabs=1e-12, limit=200)[0]
+        return 2 / np.pi * integral(lambda t: kernel(x - a * np.sin(t)) * pressed(t),
+                                    [-np.pi / 2, np.pi / 2])
 
     s = np.linspace(0, 1, 201) ** 2
     gap = np.array([(a + one) ** 2 / 2 - lowered(a + one) for one in s])
