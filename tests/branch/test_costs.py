@@ -112,7 +112,8 @@ def run(points, start, path, slope):
     scene = Scene(dimension=2, points=points, period=24.0, geometry="rough", rough_on="flat",
                   rough_slope=slope, rough_longest=6.0, rough_shortest=0.75, normal_maugis=2.0,
                   tangential_maugis=1.0, residual_friction=0.5)
-    few = Steps(initial_step=0.1, largest_step=0.1) if slope > 2.0 else Steps()
+    step = 0.1 if slope > 2.0 else 0.01
+    few = Steps(initial_step=step, largest_step=step)
     jumps = 0
     for point in Branch(scene, Load(start=start, path=path), few):
         assert points < 384 or point.state.window.is_whole
