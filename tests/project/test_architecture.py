@@ -6,6 +6,7 @@ import re
 import statistics
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -109,9 +110,11 @@ def offenders(found):
     return {name: wrong for name, wrong in found if wrong}
 
 
+@cache
 def imports(tree):
     """Dotted names that a module imports, wherever it does; those of the package begin with a
     dot."""
+    found = []
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             dotted = [alias.name for alias in node.names]
@@ -123,7 +126,8 @@ def imports(tree):
             continue
         for name in dotted:
             inside = name == "contactsnes" or name.startswith("contactsnes.")
-            yield name[len("contactsnes"):] or "." if inside else name
+            found.append(name[len("contactsnes"):] or "." if inside else name)
+    return tuple(found)
 
 
 def own_names(tree):
@@ -148,6 +152,7 @@ def used_names(tree):
                                  if isinstance(node, ast.Attribute)}
 
 
+@cache
 def definitions(tree):
     """Every function, method and class of a module with its dotted name."""
     def inner(node, prefix):
@@ -157,7 +162,7 @@ def definitions(tree):
                 yield from inner(child, f"{prefix}{child.name}.")
             else:
                 yield from inner(child, prefix)
-    return inner(tree, "")
+    return tuple(inner(tree, ""))
 
 
 def public(tree):
