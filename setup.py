@@ -9,8 +9,8 @@ from setuptools import Extension, find_packages, setup
 KERNELS = Path(__file__).parent / "contactsnes" / "kernels"
 SOURCES = ("kernels.h", "both.h", "precision.h", "columns.h", "pairs.h", "folded.h", "patches.h",
            "transforms.c", "packed.c", "folded.c", "slabs.c", "forms.c", "motion.c", "core_zone.c",
-           "patches.c", "steps.c", "krylov.c", "modes.c", "points.c", "paths.c", "petsc.c",
-           "laws.c", "library.c")
+           "patches.c", "two_grids.h", "two_grids.c", "steps.c", "krylov.c", "modes.c", "points.c",
+           "paths.c", "petsc.c", "laws.c", "library.c")
 """As kernels/library.py has them."""
 
 # No fast-math: it would change how the whole process treats small numbers. What the loops need of

@@ -18,6 +18,7 @@
 enum { NONE = -1, MOST = 3, PATCHES = 3 }; /* components; sizes of patches */
 enum { TOO_MANY = 83 };                     /* status of a count of transforms beyond its limit */
 enum { WAVES = 2048 }; /* of a spectrum that blocks are multiplied with at a time */
+enum { INNER = 30 }; /* iterations of a system of patches */
 enum { COLUMNS = 8 }; /* of spectra that are transformed at a time: a line of the cache in a row */
 
 typedef void (*Sheared)(long, const double *, const double *, const double *, double *, double *,
@@ -192,6 +193,22 @@ struct Libraries {
     int (*tolerances)(void *, double *, double *, double *, int *);
     int (*right_side)(void *, void **), (*norm)(void *, int, double *);
 };
+/* one component on two grids, of nodes and of patches of nodes; numbers of either in the transform's precision,
+   doubles aside */
+typedef struct {
+    Transform *transform;
+    long nodes, points;
+    const int *patch;
+    const void *inverse, *response;                             /* of nodes */
+    const void *stiffness, *core, *there, *compliance, *symbol; /* of patches, and of waves */
+    const double *mean, *within, *number;
+    double area, left;
+    double *sums; /* room for three numbers a patch */
+    void *rows, *made;
+    double *matrix; /* of its last solve, column by column */
+    long count;
+} TwoGrids;
+
 extern struct Libraries libraries;
 
 void along_rows(const Line *l, void *x, long count, int back, int odd, long used, int single);

@@ -13,8 +13,8 @@ from . import structures
 HERE = Path(__file__).parent
 SOURCES = ("kernels.h", "both.h", "precision.h", "columns.h", "pairs.h", "folded.h", "patches.h",
            "transforms.c", "packed.c", "folded.c", "slabs.c", "forms.c", "motion.c", "core_zone.c",
-           "patches.c", "steps.c", "krylov.c", "modes.c", "points.c", "paths.c", "petsc.c",
-           "laws.c", "library.c")
+           "patches.c", "two_grids.h", "two_grids.c", "steps.c", "krylov.c", "modes.c", "points.c",
+           "paths.c", "petsc.c", "laws.c", "library.c")
 """What the library is made of, in the order of its checksum."""
 
 
@@ -158,6 +158,8 @@ CALLS = {"forward": [_pointer, _long], "backward": [_pointer, _long],
          **dict.fromkeys(("inner_products", "add_rows"), [_long, _long, *[_pointer] * 4]),
          "rounded": [_long, _pointer, _double, _pointer, _pointer],
          "narrowed": [_long, _pointer, _pointer],
+         "patch_nodes": [_long, _pointer, _long, _pointer],
+         "weigh_nodes": [_pointer, _double, _pointer], "on_two_grids": [_pointer, _pointer],
          "sum_up": [_pointer, _long, _long, *[_pointer] * 3, ctypes.c_int, _pointer, _pointer],
          "iterate": [_pointer, _long, _long, _pointer, _pointer, _double, _pointer, _pointer,
                      _double, _double, _pointer, _pointer],

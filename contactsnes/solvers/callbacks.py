@@ -174,14 +174,14 @@ def operator(ksp, form, single=False):
                             (VIEW, "mat_view")):
         _call("MatShellSetOperation", matrix.handle, ctypes.c_int(operation), _function(name))
     matrix.setUp()
-    _set_shell(pc, own)
+    set_shell(pc, own)
     # it has to live as long as any of them
     for thing in (ksp, matrix, pc):
         thing.setAttr("callbacks", own)
     return matrix
 
 
-def _set_shell(pc, own):
+def set_shell(pc, own):
     """Make a PETSc preconditioner that of a form's Callbacks in the library."""
     pc.setType("shell")
     _call("PCShellSetContext", pc.handle, own.address)
@@ -225,7 +225,7 @@ def set_from_options(snes):
     pc = (snes.getKSP() if isinstance(snes, PETSc.SNES) else snes).getPC()
     database = PETSc.Options(snes.getOptionsPrefix() or "")
     if pc.getType() == "python" and database.getString("pc_python_type", OWN_ZONE) == OWN_ZONE:
-        _set_shell(pc, own)
+        set_shell(pc, own)
     if pc.getType() == "shell" and database.getBool("snes_mf", False):
         raise InputError(NO_JACOBIAN)
 

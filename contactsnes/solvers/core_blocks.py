@@ -74,23 +74,9 @@ class CoreBlock:
         plan.leave(self._into, self._back, core)
 
 
-class PatchedBlock(CoreBlock):
-    """A core block of nodes of a box in the plane, in patches: M^-1 r = r - a (g + P (G - g) R) (a
-    r) with G = 1 - S = C D / (1 + C D).
-
-    R takes the mean of each patch, P gives it to its nodes: the circle has a point a patch. C is
-    small for waves that are shorter, and one number g is G for all of them (two grids for an
-    equation of the second kind: Hackbusch, Multi-Grid Methods and Applications, chapter 16).
-
-    Parameters
-    ----------
-    form, component, weight, mean_tangent, pad, scale : as of `CoreBlock`, on a window of one box
-        whose fields have no scale
-    """
-
-    def __init__(self, form, component, weight, mean_tangent, pad, scale=None):
-        self.apart, self._within = patch(form.contact, component, float(mean_tangent[0]))
-        super().__init__(form, component, weight, mean_tangent, pad, scale)
+class InPatches(CoreBlock):
+    """A core block of nodes of a box in the plane whose circle has a point for each patch of
+    ``apart`` nodes in each direction; parameters as of `CoreBlock`."""
 
     def _find(self, window, weight, scale):
         """Take the core's nodes with their weights; its extents."""
@@ -117,6 +103,25 @@ class PatchedBlock(CoreBlock):
         rows += columns
         self._patch = rows
         del self._nodes
+
+
+class PatchedBlock(InPatches):
+    """A core block of nodes of a box in the plane, in patches: M^-1 r = r - a (g + P (G - g) R) (a
+    r) with G = 1 - S = C D / (1 + C D).
+
+    R takes the mean of each patch, P gives it to its nodes: the circle has a point a patch. C is
+    small for waves that are shorter, and one number g is G for all of them (two grids for an
+    equation of the second kind: Hackbusch, Multi-Grid Methods and Applications, chapter 16).
+
+    Parameters
+    ----------
+    form, component, weight, mean_tangent, pad, scale : as of `CoreBlock`, on a window of one box
+        whose fields have no scale
+    """
+
+    def __init__(self, form, component, weight, mean_tangent, pad, scale=None):
+        self.apart, self._within = patch(form.contact, component, float(mean_tangent[0]))
+        super().__init__(form, component, weight, mean_tangent, pad, scale)
 
     def circle(self, single):
         """(transform, G - g over the nodes of a patch) of the circle, perhaps in single

@@ -72,8 +72,7 @@ class CoreZone:
 
     def __init__(self, form, options=CoreOptions(), floor=0.0, single=False, scale=None):
         self.form, self.grid, self._scale = form, form.grid, scale
-        self.blocks = [self._block(i, core_weight(form, i, options), options.pad, single)
-                       for i in range(form.components)]
+        self.blocks = [self._block(i, options, single) for i in range(form.components)]
         self.forced = np.array([i in form.forced for i in range(form.components)])
         self.means = np.flatnonzero(self.forced | (form.rigid_compliance != 0.0))
         self._rigid = form.rigid_compliance[self.means] / self.grid.size
@@ -96,18 +95,19 @@ class CoreZone:
         scale = np.where(forced, max(acting, 1.0), 1.0)
         self.inverse = inverse(self.matrix / scale[:, None], floor) / scale
 
-    def _block(self, component, zone, pad, single):
-        """The core block of a component, or None; parameters as of `CoreBlock` and `CoreZone`.
+    def _block(self, component, options, single):
+        """The core block of a component, or None where nothing is stiff.
 
         Parameters
         ----------
-        component, zone, pad, single : int, (weight, mean tangent) or None, float, bool
+        component, options, single : int, and as of `CoreZone`
         """
+        zone = core_weight(self.form, component, options)
         if zone is None:
             return None
         window = self.form.window
         kind = PatchedBlock if taken(window) else CoreBlock
-        block = kind(self.form, component, *zone, pad, self._scale)
+        block = kind(self.form, component, *zone, options.pad, self._scale)
         return (block if len(window.parts) == 1
                 else CoupledBlock(self.form, component, block, single))
 

@@ -79,18 +79,27 @@ class Ritz:
     Those are about the eigenvalues of J M^-1, M the preconditioner. It is positive, as for a body
     that rests, so that a negative one belongs to an unstable mode of J (Sylvester's law of inertia,
     where J is symmetric). They cost no product.
+
+    Parameters
+    ----------
+    spots : `two_grids.SpotsPC`, whose systems tell of modes, too, or None
     """
 
-    def __init__(self):
-        self.found = []
+    def __init__(self, spots=None):
+        self.found, self._spots = [], spots
 
     def __call__(self, snes, iteration, norm):
         if iteration == 0:
             self.found = []
+            if self._spots:
+                self._spots.begin()
             return
         values = ritz_values(snes.getKSP())
-        if len(values) >= TELLING:
-            self.found.append(float(values.real.min()))
+        own = float(values.real.min()) if len(values) >= TELLING else np.nan
+        within = self._spots.softest if self._spots else np.nan
+        least = float(np.fmin(own, within))
+        if not np.isnan(least):
+            self.found.append(least)
 
     @property
     def smallest(self):

@@ -10,7 +10,7 @@ from petsc4py import PETSc
 
 from ..contact.balance import TOLERANCE
 from ..options.database import read
-from . import callbacks
+from . import callbacks, two_grids
 from .capabilities import asked
 from .krylov import of_ksp, set_defaults
 from .multigrid import create_levels
@@ -127,7 +127,7 @@ def create_snes(form, prefix="", tolerance=None, single=False, packed=False):
         # Below half the tolerance of the outer iteration a linear solve polishes what nobody asks
         # for.
         snes.getKSP().setTolerances(atol=0.5 * snes.getTolerances()[1] * form.linear_tolerance)
-    watch_modes(snes, form, method)
+    watch_modes(snes, form, method, two_grids.offer(snes, form, single))
     regularise([*((solver, form) for solver in (snes, *inner_solvers(snes, form))), *smoothers],
                read(NewtonOptions, prefix))
     return snes
@@ -154,7 +154,7 @@ def end_of(snes, form):
     return own.grid.norm(left[:own.size]) if len(own.grid.shape) > 1 else None
 
 
-def watch_modes(snes, form, method):
+def watch_modes(snes, form, method, spots=None):
     """Give a form its monitor of Ritz values, which sees those of a method with a tangent.
 
     Parameters
@@ -162,12 +162,15 @@ def watch_modes(snes, form, method):
     snes : SNES of the form
     form : which gets ``ritz``
     method : Capabilities of the type of SNES
+    spots : SpotsPC of its linear systems, or None
     """
-    form.ritz = Ritz()
+    form.ritz = Ritz(spots)
+    if spots:
+        kept(spots.core)
     if not method.has_tangent:
         return
     snes.getKSP().setComputeEigenvalues(True)
-    if callbacks.of(snes) and not of_ksp(snes.getKSP()):
+    if callbacks.of(snes) and not (of_ksp(snes.getKSP()) or spots):
         form.ritz = callbacks.watch_modes(snes)
     else:
         snes.setMonitor(form.ritz)

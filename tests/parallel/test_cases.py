@@ -14,7 +14,7 @@ from petsc4py import PETSc
 from contactsnes import Branch, Form, Load, Scene, Steps
 from contactsnes.contact import observables
 from contactsnes.grid import slabs
-from contactsnes.solvers import krylov
+from contactsnes.solvers import krylov, two_grids
 
 SPHERE = dict(dimension=2, points=(32, 32), period=8.0, normal_maugis=1.0, tangential_maugis=1.0,
               geometry="sphere", height=float("inf"))
@@ -51,6 +51,7 @@ for name, (scene, load, steps) in CASES.items():
     # Krylov vectors in single precision, which solves of few unknowns do not have
     single = name in ("sheared layer", "few nodes")
     krylov.LARGE = 1 if single else 2 ** 16
+    two_grids.LARGE = 1 if name in ("few nodes", "rough") else 2 ** 14
     branch = Branch(Scene(**scene), load, Steps(**steps),
                     Form(symmetry="off", window=window,
                          linear_precision="single" if single else "auto"))

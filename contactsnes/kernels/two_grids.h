@@ -1,0 +1,157 @@
+/* One component of a plane's linear system on two grids, in numbers REAL: the BODY of `both.h` for `two_grids.c`. */
+
+/* Weights of nodes by the law's tangent there, and their sums over patches: two numbers a patch. */
+static void OF(weigh)(const TwoGrids *g, double within, const double *restrict tangent)
+{
+    REAL *inverse = (REAL *)g->inverse, *response = (REAL *)g->response;
+    double *restrict sums = g->sums;
+    memset(sums, 0, 2 * g->points * sizeof *sums);
+    for (long k = 0; k < g->nodes; k++) {
+        double *here = sums + 2 * g->patch[k];
+        const double own = 1.0 / (1.0 + within * tangent[k]);
+        inverse[k] = own;
+        response[k] = own * tangent[k];
+        here[0] += own;
+        here[1] += own * tangent[k];
+    }
+}
+
+/* Sums over patches of a field, and of it times two weights: three numbers a patch. */
+static void OF(gather)(const TwoGrids *g, const double *restrict x)
+{
+    const REAL *restrict inverse = g->inverse, *restrict response = g->response;
+    double *restrict sums = g->sums;
+    memset(sums, 0, 3 * g->points * sizeof *sums);
+    for (long k = 0; k < g->nodes; k++) {
+        double *here = sums + 3 * g->patch[k];
+        here[0] += x[k];
+        here[1] += inverse[k] * x[k];
+        here[2] += response[k] * x[k];
+    }
+}
+
+/* inverse (x + by of its patch), in place */
+static void OF(scatter)(const TwoGrids *g, const double *restrict by, double *restrict x)
+{
+    const REAL *restrict inverse = g->inverse;
+    for (long k = 0; k < g->nodes; k++) x[k] = inverse[k] * (x[k] + by[g->patch[k]]);
+}
+
+CLONES static void OF(multiplied)(const REAL *restrict a, const REAL *restrict x, REAL *restrict out, long n)
+{
+    for (long k = 0; k < n; k++) out[k] = a[k] * x[k];
+}
+
+/* out = x + factor a y */
+CLONES static void OF(added)(const REAL *x, REAL factor, const REAL *restrict a, const REAL *restrict y, REAL *out,
+                             long n)
+{
+    for (long k = 0; k < n; k++) out[k] = x[k] + factor * a[k] * y[k];
+}
+
+CLONES static double OF(inner)(const REAL *restrict x, const REAL *restrict y, long n)
+{
+    REAL sums[PARTS] = {0};
+    double sum = 0.0;
+    long k = 0;
+    for (; k + PARTS <= n; k += PARTS)
+        for (int l = 0; l < PARTS; l++) sums[l] += x[k + l] * y[k + l];
+    for (; k < n; k++) sum += x[k] * y[k];
+    for (int l = 0; l < PARTS; l++) sum += sums[l];
+    return sum;
+}
+
+CLONES static void OF(moved)(REAL *restrict x, REAL factor, const REAL *restrict y, long n)
+{
+    for (long k = 0; k < n; k++) x[k] += factor * y[k];
+}
+
+/* A row times a factor, and what the core's inverse makes of it. */
+static int OF(times_core)(const TwoGrids *g, REAL *row, REAL factor, REAL *made)
+{
+    REAL *on_circle = g->transform->real;
+    for (long k = 0; k < g->points; k++) row[k] *= factor;
+    OF(multiplied)(g->core, row, on_circle, g->points);
+    const int status = filter(g->transform, g->transform->shape, g->symbol);
+    if (!status) OF(added)(row, -1, g->core, on_circle, made, g->points);
+    return status;
+}
+
+/* The system of patches times a vector. */
+static int OF(times_system)(const TwoGrids *g, const REAL *x, REAL *out)
+{
+    REAL *on_circle = g->transform->real;
+    OF(multiplied)(g->stiffness, x, on_circle, g->points);
+    const int status = filter(g->transform, g->transform->shape, g->compliance);
+    if (!status) OF(added)(x, 1, g->there, on_circle, out, g->points);
+    return status;
+}
+
+/* GMRES for the system of patches, whose right side is the first row: its solution in place of that, its
+   Hessenberg matrix and the number of iterations. */
+static int OF(solved)(TwoGrids *g)
+{
+    const long n = g->points;
+    REAL *rows = g->rows, *made = g->made;
+    double cosines[INNER], sines[INNER], right[INNER + 1], triangle[INNER * INNER], parts[INNER];
+    const double first = sqrt(OF(inner)(rows, rows, n));
+    double size = first;
+    int status;
+    g->count = 0;
+    right[0] = first;
+    while (g->count < INNER && size > 0.0) {
+        const long place = g->count++;
+        REAL *vector = rows + (place + 1) * n;
+        if ((status = OF(times_core)(g, rows + place * n, 1.0 / size, made + place * n))) return status;
+        if ((status = OF(times_system)(g, made + place * n, vector))) return status;
+        double *column = g->matrix + place * (INNER + 1), turned[INNER + 1];
+        for (long j = 0; j <= place; j++) column[j] = OF(inner)(rows + j * n, vector, n);
+        for (long j = 0; j <= place; j++) OF(moved)(vector, -column[j], rows + j * n, n);
+        size = column[place + 1] = sqrt(OF(inner)(vector, vector, n));
+        memcpy(turned, column, (place + 2) * sizeof *turned);
+        for (long j = 0; j < place; j++) {
+            const double above = turned[j], below = turned[j + 1];
+            turned[j] = cosines[j] * above + sines[j] * below;
+            turned[j + 1] = cosines[j] * below - sines[j] * above;
+        }
+        const double length = hypot(turned[place], turned[place + 1]);
+        cosines[place] = length > 0.0 ? turned[place] / length : 0.0;
+        sines[place] = length > 0.0 ? turned[place + 1] / length : 1.0;
+        turned[place] = length;
+        memcpy(triangle + place * INNER, turned, (place + 1) * sizeof *triangle);
+        right[place + 1] = -sines[place] * right[place];
+        right[place] *= cosines[place];
+        if (!(fabs(right[place + 1]) > g->left * first)) break;
+    }
+    for (long j = g->count - 1; j >= 0; j--) {
+        double known = right[j];
+        for (long k = j + 1; k < g->count; k++) known -= triangle[k * INNER + j] * parts[k];
+        parts[j] = triangle[j * INNER + j] > 0.0 ? known / triangle[j * INNER + j] : 0.0;
+    }
+    memset(rows, 0, n * sizeof *rows);
+    for (long j = 0; j < g->count; j++) OF(moved)(rows, parts[j], made + j * n, n);
+    return 0;
+}
+
+/* What two grids make of a field, in place. */
+static int OF(on_two_grids)(TwoGrids *g, double *x)
+{
+    const long n = g->points;
+    REAL *rows = g->rows, *on_circle = g->transform->real;
+    double *sums = g->sums;
+    int status;
+    OF(gather)(g, x);
+    for (long k = 0; k < n; k++) {
+        double *here = sums + 3 * k;
+        const double mean = here[0] / g->number[k], moved = mean - here[1] / (g->number[k] * g->mean[k]);
+        on_circle[k] = (here[2] + g->within[k] * (moved - mean)) / g->area;
+        rows[k] = mean;
+        here[0] = moved - mean;
+    }
+    if ((status = filter(g->transform, g->transform->shape, g->compliance))) return status;
+    for (long k = 0; k < n; k++) rows[k] = ((const REAL *)g->there)[k] * (rows[k] - on_circle[k]);
+    if ((status = OF(solved)(g))) return status;
+    for (long k = 0; k < n; k++) sums[k] = sums[3 * k] + rows[k] / g->mean[k];
+    OF(scatter)(g, sums, x);
+    return 0;
+}
