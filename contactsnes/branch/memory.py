@@ -14,15 +14,16 @@ ITERATIONS = 20
 """Krylov iterations of a linear solve, rarely more."""
 HELD = {"own": 0.4, "fgmres": 2.5, "gmres": 1.25}
 """Vectors in double precision that a solve holds for each iteration that it makes, by -ksp_type
-(ours, the default of many unknowns: one rounded, 0.25, and on even planes, in fewer iterations, one
-in single precision; PETSc's are made ten at a time); other methods hold a few in all."""
+(ours, the default of many unknowns: one rounded, 0.25, and in fewer iterations another one on two
+grids, on even planes in single precision; PETSc's are made ten at a time); other methods hold a few
+in all."""
 
 
 def memory_of_solve(unknowns, whole, kind=None, iterations=ITERATIONS):
     """Bytes of a solve: Krylov vectors and 13 arrays of the unknowns, 7 arrays over the cell.
 
     Measured on rough planes without a window, in arrays of the nodes, with five to seven iterations
-    of a solve: 22 of one component on 1024 x 1024 nodes, 60 of three on 512 x 512.
+    of a solve: 22 of one component on 1024 x 1024 nodes, 64 of three on 512 x 512.
 
     Parameters
     ----------

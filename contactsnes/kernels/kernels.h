@@ -199,11 +199,11 @@ typedef struct {
     Transform *transform;
     long nodes, points;
     const int *patch;
-    const void *inverse, *response;                             /* of nodes */
+    const void *inverse;                                        /* of nodes */
     const void *stiffness, *core, *there, *compliance, *symbol; /* of patches, and of waves */
     const double *mean, *within, *number;
-    double area, left;
-    double *sums; /* room for three numbers a patch */
+    double area, left, compliant; /* c of waves within patches */
+    double *sums;                 /* room for two numbers a patch */
     void *rows, *made;
     double *matrix; /* of its last solve, column by column */
     long count;

@@ -177,12 +177,13 @@ class TwoGrids(ctypes.Structure):
     """One component on two grids."""
 
     _fields_ = [("transform", POINTER(Transform)), ("nodes", c_long), ("points", c_long),
-                ("patch", c_void_p), ("inverse", c_void_p), ("response", c_void_p),
+                ("patch", c_void_p), ("inverse", c_void_p),
                 ("stiffness", c_void_p), ("core", c_void_p), ("there", c_void_p),
                 ("compliance", c_void_p), ("symbol", c_void_p), ("mean", c_void_p),
                 ("within", c_void_p), ("number", c_void_p), ("area", c_double),
-                ("left", c_double), ("sums", c_void_p), ("rows", c_void_p), ("made", c_void_p),
-                ("matrix", c_void_p), ("count", c_long)]
+                ("left", c_double), ("compliant", c_double), ("sums", c_void_p),
+                ("rows", c_void_p), ("made", c_void_p), ("matrix", c_void_p),
+                ("count", c_long)]
 
 
 class Overdamped(ctypes.Structure):

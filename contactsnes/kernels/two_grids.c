@@ -16,10 +16,10 @@ void patch_nodes(long nodes, const int *patch, long points, double *number)
 }
 
 /* Weights of nodes by a tangent, and their sums over patches. */
-void weigh_nodes(TwoGrids *g, double within, const double *tangent)
+void weigh_nodes(TwoGrids *g, const double *tangent)
 {
-    if (g->transform->single) weigh_in_single(g, within, tangent);
-    else weigh_in_double(g, within, tangent);
+    if (g->transform->single) weigh_in_single(g, tangent);
+    else weigh_in_double(g, tangent);
 }
 
 /* What the two grids make of a field, in place. */

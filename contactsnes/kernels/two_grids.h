@@ -1,32 +1,28 @@
 /* One component of a plane's linear system on two grids, in numbers REAL: the BODY of `both.h` for `two_grids.c`. */
 
-/* Weights of nodes by the law's tangent there, and their sums over patches: two numbers a patch. */
-static void OF(weigh)(const TwoGrids *g, double within, const double *restrict tangent)
+/* Weights of nodes by the law's tangent there, and their sums over patches. */
+static void OF(weigh)(const TwoGrids *g, const double *restrict tangent)
 {
-    REAL *inverse = (REAL *)g->inverse, *response = (REAL *)g->response;
+    REAL *inverse = (REAL *)g->inverse;
+    double *restrict sums = g->sums;
+    memset(sums, 0, g->points * sizeof *sums);
+    for (long k = 0; k < g->nodes; k++) {
+        const double own = 1.0 / (1.0 + g->compliant * tangent[k]);
+        inverse[k] = own;
+        sums[g->patch[k]] += own;
+    }
+}
+
+/* Sums over patches of a field, and of it times the weights: two numbers a patch. */
+static void OF(gather)(const TwoGrids *g, const double *restrict x)
+{
+    const REAL *restrict inverse = g->inverse;
     double *restrict sums = g->sums;
     memset(sums, 0, 2 * g->points * sizeof *sums);
     for (long k = 0; k < g->nodes; k++) {
         double *here = sums + 2 * g->patch[k];
-        const double own = 1.0 / (1.0 + within * tangent[k]);
-        inverse[k] = own;
-        response[k] = own * tangent[k];
-        here[0] += own;
-        here[1] += own * tangent[k];
-    }
-}
-
-/* Sums over patches of a field, and of it times two weights: three numbers a patch. */
-static void OF(gather)(const TwoGrids *g, const double *restrict x)
-{
-    const REAL *restrict inverse = g->inverse, *restrict response = g->response;
-    double *restrict sums = g->sums;
-    memset(sums, 0, 3 * g->points * sizeof *sums);
-    for (long k = 0; k < g->nodes; k++) {
-        double *here = sums + 3 * g->patch[k];
         here[0] += x[k];
         here[1] += inverse[k] * x[k];
-        here[2] += response[k] * x[k];
     }
 }
 
@@ -142,16 +138,16 @@ static int OF(on_two_grids)(TwoGrids *g, double *x)
     int status;
     OF(gather)(g, x);
     for (long k = 0; k < n; k++) {
-        double *here = sums + 3 * k;
+        double *here = sums + 2 * k;
         const double mean = here[0] / g->number[k], moved = mean - here[1] / (g->number[k] * g->mean[k]);
-        on_circle[k] = (here[2] + g->within[k] * (moved - mean)) / g->area;
+        on_circle[k] = ((here[0] - here[1]) / g->compliant + g->within[k] * (moved - mean)) / g->area;
         rows[k] = mean;
         here[0] = moved - mean;
     }
     if ((status = filter(g->transform, g->transform->shape, g->compliance))) return status;
     for (long k = 0; k < n; k++) rows[k] = ((const REAL *)g->there)[k] * (rows[k] - on_circle[k]);
     if ((status = OF(solved)(g))) return status;
-    for (long k = 0; k < n; k++) sums[k] = sums[3 * k] + rows[k] / g->mean[k];
+    for (long k = 0; k < n; k++) sums[k] = sums[2 * k] + rows[k] / g->mean[k];
     OF(scatter)(g, sums, x);
     return 0;
 }

@@ -2,6 +2,7 @@
 does."""
 
 import ctypes
+from weakref import WeakValueDictionary
 
 import numpy as np
 
@@ -27,6 +28,29 @@ def patch_nodes(patch, points):
     return number
 
 
+class Room:
+    """Arrays that systems of so many patches work in, one after the other, by their names in
+    `structures.TwoGrids`.
+
+    Parameters
+    ----------
+    points, kind : int, type of their numbers
+    """
+
+    _held = WeakValueDictionary()
+
+    def __init__(self, points, kind):
+        self.sums, self.matrix = np.empty(2 * points), np.zeros((INNER, INNER + 1))
+        self.rows = np.empty((INNER + 1, points), dtype=kind)
+        self.made = np.empty((INNER, points), dtype=kind)
+
+    @classmethod
+    def of(cls, points, kind):
+        """The one that others hold, or a new one; parameters as of the class."""
+        found = cls._held.get((points, kind)) or cls(points, kind)
+        return cls._held.setdefault((points, kind), found)
+
+
 class OnTwoGrids:
     """What two grids make of a field.
 
@@ -38,19 +62,16 @@ class OnTwoGrids:
     number : array (patches), how many nodes each has, at least one
     area, left : floats, nodes of a patch, and the part of its right side that is left of the system
         of patches
+    within : float, compliance of waves within patches
     """
 
-    def __init__(self, grid, plan, patch, number, area, left):
-        own = self._structure = structures.TwoGrids(area=area, left=left, nodes=len(patch),
-                                                    points=plan.real.size)
-        kind, points = plan.real.dtype, plan.real.size
-        self._counter, self._matrix = grid.counter, np.zeros((INNER, INNER + 1))
-        self._sums, self._kept = np.empty(3 * points), {}
-        self._keep(patch=patch, number=number, sums=self._sums, matrix=self._matrix,
-                   rows=np.empty((INNER + 1, points), dtype=kind),
-                   made=np.empty((INNER, points), dtype=kind),
-                   inverse=np.empty(len(patch), dtype=kind),
-                   response=np.empty(len(patch), dtype=kind))
+    def __init__(self, grid, plan, patch, number, area, left, within):
+        own = self._structure = structures.TwoGrids(area=area, left=left, compliant=within,
+                                                    nodes=len(patch), points=plan.real.size)
+        self._counter, self._room = grid.counter, Room.of(plan.real.size, plan.real.dtype)
+        self._kept, self._kind = {}, plan.real.dtype
+        self._keep(patch=patch, number=number, **vars(self._room),
+                   inverse=np.empty(len(patch), dtype=plan.real.dtype))
         own.transform, self._plan = ctypes.pointer(plan.structure), plan
         self._reference = ctypes.addressof(own)
 
@@ -61,26 +82,25 @@ class OnTwoGrids:
             setattr(self._structure, name, address(self._kept[name]))
 
     def weigh(self, within, tangent):
-        """Take the weights q = 1 / (1 + c D) and D q of nodes; their sums over patches, (patches,
-        2).
+        """Take the weights q = 1 / (1 + c D) of nodes; their sums over patches.
 
         Parameters
         ----------
-        within : float, c
+        within : float, c, as it was given
         tangent : array (nodes), D
         """
         tangent = np.ascontiguousarray(tangent)
-        shared().weigh_nodes(self._reference, within, address(tangent))
-        return self._sums[:2 * self._structure.points].reshape(-1, 2).copy()
+        shared().weigh_nodes(self._reference, address(tangent))
+        return self._room.sums[:self._structure.points].copy()
 
     def take(self, **arrays):
         """Take what belongs to patches, by its names in `structures.TwoGrids`."""
-        kind = self._kept["rows"].dtype
-        self._keep(**{name: array if name in ("mean", "within") else array.astype(kind, copy=False)
+        self._keep(**{name: array if name in ("mean", "within")
+                      else array.astype(self._kind, copy=False)
                       for name, array in arrays.items()})
 
     def __call__(self, field):
         """Replace a field (nodes); the Hessenberg matrix of what was solved on patches."""
         call(shared().on_two_grids, self._counter, self._reference, address(field))
         count = self._structure.count
-        return self._matrix[:count, :count].T
+        return self._room.matrix[:count, :count].T

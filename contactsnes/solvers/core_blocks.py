@@ -78,11 +78,15 @@ class InPatches(CoreBlock):
     """A core block of nodes of a box in the plane whose circle has a point for each patch of
     ``apart`` nodes in each direction; parameters as of `CoreBlock`."""
 
-    def _find(self, window, weight, scale):
-        """Take the core's nodes with their weights; its extents."""
-        self.core = np.flatnonzero(weight).astype(np.intc)
-        self._into = np.sqrt(weight[self.core])
-        places = window.places[self.core] if isinstance(window, Nodes) else self.core
+    def _locate(self, window, nodes):
+        """Find the rows and columns of nodes of a window; the extents of all of them.
+
+        Parameters
+        ----------
+        window : Window
+        nodes : array of intc, their numbers in the window
+        """
+        places = window.places[nodes] if isinstance(window, Nodes) else nodes
         rows, columns = np.divmod(places, np.intc(window.shape[1]))
         # patches are those of the cell, whose rows one process has
         for line, start in zip((rows, columns), window.start):
@@ -122,6 +126,12 @@ class PatchedBlock(InPatches):
     def __init__(self, form, component, weight, mean_tangent, pad, scale=None):
         self.apart, self._within = patch(form.contact, component, float(mean_tangent[0]))
         super().__init__(form, component, weight, mean_tangent, pad, scale)
+
+    def _find(self, window, weight, scale):
+        """Take the core's nodes with their weights; its extents."""
+        self.core = np.flatnonzero(weight).astype(np.intc)
+        self._into = np.sqrt(weight[self.core])
+        return self._locate(window, self.core)
 
     def circle(self, single):
         """(transform, G - g over the nodes of a patch) of the circle, perhaps in single

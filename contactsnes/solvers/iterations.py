@@ -33,7 +33,7 @@ class Iterations:
         space.keep(place, vector.getArray(), factor)
         self._pc.apply(vector, work)
         if made:
-            made.keep(place, work.getArray(readonly=True))
+            made.keep(place, work.getArray())
         self._operator.mult(work, vector)
         return orthogonalised(space, place + 1, vector.getArray())
 

@@ -18,7 +18,7 @@ from .triangle import Triangle
 APART = 4
 """Nodes of a patch in each direction: its system costs next to nothing."""
 WITHIN = 0.6
-"""Compliance of waves within patches over that C."""
+"""Compliance of waves within patches over that of the shortest ones that patches tell apart."""
 CORE = 0.1
 """Stiffness of patches that belong to their system's core, over the largest."""
 LEFT = 0.1
@@ -55,8 +55,7 @@ class Patches(InPatches):
     apart, _area = APART, float(APART ** 2)
 
     def __init__(self, form, component, pad, single):
-        super().__init__(form, component, np.ones(form.nodes), None, pad)
-        del self.core, self._into
+        super().__init__(form, component, None, None, pad)
         self._grid, self.softest = form.grid, np.nan
         self.between = compliance_between(form.contact, component, APART)
         plan = self._plan = self.transform.single if single else self.transform
@@ -67,7 +66,11 @@ class Patches(InPatches):
                  else self._sums(None).astype(float))
         self._number, self._there = np.maximum(nodes, 1.0), nodes > 0.0
         self._library = compiled and OnTwoGrids(form.grid, plan, self._patch, self._number,
-                                                self._area, LEFT)
+                                                self._area, LEFT, WITHIN * self.between)
+
+    def _find(self, window, weight, scale):
+        """Take all nodes; their extents."""
+        return self._locate(window, np.arange(window.size, dtype=np.intc))
 
     def take(self, tangent):
         """Take a tangent.
@@ -81,8 +84,10 @@ class Patches(InPatches):
         Unsuited : where no patch is stiff
         """
         weigh = self._library.weigh if self._library else self._weigh
-        inverse, within = weigh(WITHIN * self.between, tangent).T
+        inverse = weigh(WITHIN * self.between, tangent)
         mean = np.where(self._there, inverse / self._number, 1.0)
+        # (c D q = 1 - q)
+        within = np.where(self._there, self._number - inverse, 0.0) / (WITHIN * self.between)
         stiffness = within / (mean * self._area)
         core, compliance, symbol = self._of_system(stiffness)
         own = {"stiffness": stiffness, "core": core, "there": self._there, "mean": mean,
@@ -102,10 +107,8 @@ class Patches(InPatches):
         within, tangent : as of that
         """
         inverse = 1.0 / (1.0 + within * tangent)
-        response = inverse * tangent
-        kind = self._plan.real.dtype
-        self._nodal = inverse.astype(kind), response.astype(kind)
-        return np.array([self._sums(inverse), self._sums(response)]).T
+        self._inverse = inverse.astype(self._plan.real.dtype)
+        return self._sums(inverse)
 
     def _take(self, **arrays):
         """As `kernels.two_grids.OnTwoGrids.take`."""
@@ -174,14 +177,15 @@ class Patches(InPatches):
 
     def _on_two_grids(self, field):
         """What `kernels.two_grids.OnTwoGrids` does to a field."""
-        own, (inverse, weights) = self._own, self._nodal
-        mean = self._sums(field) / self._number
-        moved = mean - self._sums(inverse * field) / (self._number * own.mean)
-        response = (self._sums(weights * field) + own.within * (moved - mean)) / self._area
+        own, whole, part = self._own, self._sums(field), self._sums(self._inverse * field)
+        mean = whole / self._number
+        moved = mean - part / (self._number * own.mean)
+        response = (whole - part) / (WITHIN * self.between) + own.within * (moved - mean)
+        response /= self._area
         right = mean.astype(own.there.dtype) - self._filtered(own.compliance, response)
         found, matrix = self._solved(own.there * right)
         field += (moved - mean + found / own.mean)[self._patch]
-        field *= inverse
+        field *= self._inverse
         return matrix
 
     def apply(self, field, single=False):

@@ -24,19 +24,21 @@ axis that they tell apart, D the mean tangent of the core."""
 PULLS = 0.5
 """The same of the steepest softening: nodes within a patch are to be stable."""
 LARGE = 2 ** 14
-"""Nodes and components from which on it is taken: fewer are solved by the library alone."""
+"""Nodes from which on it is taken: fewer are solved by the library alone."""
 
 
 def suits(form):
-    """Whether a form's linear systems may be of two grids: of planes with many spots.
+    """Whether a form's linear systems may be of two grids: of planes with many spots, and of the
+    normal component alone. Where friction ties components to each other, which patches leave out,
+    they saved a fourteenth of the transforms and took a third more memory.
 
     Parameters
     ----------
     form : of the equations
     """
-    return (type(form) is DisplacementForm and many(form.contact) and taken(form.window)
-            and form.grid.in_patches(APART)
-            and form.grid.together([form.count])[0] >= LARGE)
+    return (type(form) is DisplacementForm and form.components == 1 and many(form.contact)
+            and taken(form.window) and form.grid.in_patches(APART)
+            and form.window.total >= LARGE)
 
 
 class TwoGrids(CoreZone):

@@ -158,7 +158,10 @@ def test_stiff_laws_and_steep_softening_have_no_patches(small):
 
 
 def test_what_suits(small, monkeypatch):
-    """Planes with many spots, of any set of nodes; neither lines nor contacts of one spot."""
+    """Planes with many spots, of any set of nodes; neither lines nor contacts of one spot, nor
+    three components."""
+    sheared = DisplacementForm(form_on().contact, form_on().contact.grid.whole, 3 * (DISPLACEMENT,))
+    assert not two_grids.suits(sheared)
     assert two_grids.suits(form_on()) and two_grids.suits(form_on(some))
     sphere = Contact(Scene(dimension=2, points=16, period=8.0, geometry="sphere"))
     odd = Contact(Scene(dimension=2, points=(18, 16), period=(9.0, 8.0), geometry="rough",
@@ -213,9 +216,7 @@ def sticky(**changes):
 PATHS = {"pulled": (sticky(), Load("normal_displacement=0", "normal_displacement=-0.8")),
          "pulled by a force": (sticky(period=12.0, rough_slope=2.0, rough_shortest=1.5,
                                       normal_maugis=2.0),
-                               Load("normal_displacement=1", "normal_force=-30")),
-         "sheared": (sticky(tangential_maugis=1.5, poisson=0.3, normal_maugis=1.5),
-                     Load("normal_displacement=1", "tangential_displacement_x=0.3"))}
+                               Load("normal_displacement=1", "normal_force=-30"))}
 
 
 @pytest.mark.parametrize("kernels", ["auto", "off"])
