@@ -33,6 +33,8 @@ def _names(cls):
 SNES_REASONS, KSP_REASONS = _names(PETSc.SNES.ConvergedReason), _names(PETSc.KSP.ConvergedReason)
 
 
+TRUST = "newtontr", "newtontrdc"
+"""Methods that ask a linear solve for its solution after each iteration, which PETSc's has."""
 COLD, WARM = 200, 16
 """Most Newton iterations of a solve from afar, and of a step: one that needs more is better made
 shorter."""
@@ -49,7 +51,8 @@ def equip(snes, form, single=False, packed=False):
     single, packed : bools, whether products of linear solves, and their vectors, may be in single
         precision
     """
-    set_defaults(snes.getKSP(), form, single or packed)
+    kind = PETSc.Options(snes.getOptionsPrefix() or "").getString("snes_type", "")
+    set_defaults(snes.getKSP(), form, (single or packed) and kind not in TRUST)
     if callbacks.available(form):
         return callbacks.equip(snes, form, single)
     snes.setFunction(lambda snes, x, f: form.residual(x.getArray(readonly=True), f.getArray()),

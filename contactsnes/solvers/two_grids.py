@@ -13,7 +13,7 @@ from ..grid.patches import taken
 from ..options.database import read
 from . import callbacks
 from .core_zone import CoreOptions, CoreZone
-from .krylov import is_ours
+from .krylov import is_ours, of_ksp
 from .patch_systems import APART, Patches, Unsuited
 from .ritz import many
 from .vectors import communicator
@@ -25,6 +25,10 @@ PULLS = 0.5
 """The same of the steepest softening: nodes within a patch are to be stable."""
 LARGE = 2 ** 14
 """Nodes from which on it is taken: fewer are solved by the library alone."""
+
+
+FLEXIBLE = "fgmres", "gcr", "pipefgmres", "pipegcr"
+"""PETSc's Krylov methods whose preconditioner may be another function each time."""
 
 
 def suits(form):
@@ -166,8 +170,8 @@ class SpotsPC:
 
 
 def offer(snes, form, single):
-    """Have a SNES take two grids where they suit, and where its preconditioner is the form's own:
-    the SpotsPC, or None.
+    """Have a SNES take two grids where they suit, where its preconditioner is the form's own, and
+    its Krylov method one that takes another function each time: the SpotsPC, or None.
 
     Parameters
     ----------
@@ -175,8 +179,9 @@ def offer(snes, form, single):
     form : of the equations
     single : bool, whether products of linear solves may be in single precision
     """
-    pc = snes.getKSP().getPC()
-    if not (suits(form) and is_ours(pc)):
+    ksp, pc = snes.getKSP(), snes.getKSP().getPC()
+    flexible = of_ksp(ksp) or ksp.getType() in FLEXIBLE
+    if not (flexible and suits(form) and is_ours(pc)):
         return None
     core = PETSc.PC().create(communicator(form))
     if pc.getType() == "shell":

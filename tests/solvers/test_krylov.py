@@ -417,3 +417,11 @@ def test_a_type_of_the_users_is_taken(monkeypatch, options):
     options(ksp_type="bcgs")
     points, _, branch = path()
     assert branch.corrector.snes.getKSP().getType() == "bcgs" and len(points) > 2
+
+
+def test_trust_regions_have_that_of_petsc(monkeypatch, options):
+    """They ask a linear solve for its solution after each iteration."""
+    monkeypatch.setattr(krylov, "LARGE", 1)
+    options(snes_type="newtontr")
+    points, _, branch = path()
+    assert branch.corrector.snes.getKSP().getType() == "fgmres" and len(points) > 2

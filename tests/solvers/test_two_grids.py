@@ -15,6 +15,7 @@ from contactsnes.solvers import patch_systems, two_grids
 from contactsnes.solvers.core_zone import CoreOptions
 from contactsnes.solvers.patch_systems import APART, WITHIN, Patches
 from contactsnes.solvers.ritz import Ritz
+from contactsnes.solvers.snes import create_snes
 
 POINTS = 16, 24
 
@@ -251,3 +252,24 @@ def test_unstable_equilibria_are_told(monkeypatch):
         beside = replace(unstable.state, displacement=unstable.state.displacement + 1e-3)
         point = again.solve(beside, unstable.controls, unstable.load)
         assert point.softest < 0.0
+
+
+@pytest.mark.parametrize("method, offered", [("fgmres", True), ("gmres", False), ("bcgs", False)])
+def test_krylov_methods_that_need_one_function_have_the_zone(small, options, method, offered):
+    options(ksp_type=method)
+    snes = create_snes(form_on())
+    context = snes.getKSP().getPC().getPythonContext() if offered else None
+    assert isinstance(context, two_grids.SpotsPC) == offered
+    assert (snes.getKSP().getPC().getType() == "python") == offered
+
+
+@pytest.mark.parametrize("name", ["none", "jacobi"])
+def test_other_preconditioners_are_left_alone(small, options, name):
+    options(pc_type=name)
+    assert create_snes(form_on()).getKSP().getPC().getType() == name
+
+
+@pytest.mark.parametrize("kernels", [True, False], ids=["library", "numpy"])
+def test_what_a_solver_says_of_itself(small, capfd, kernels):
+    create_snes(form_on(kernels=kernels)).view()
+    assert "two grids, of nodes and of patches of nodes" in capfd.readouterr().out
