@@ -1,5 +1,7 @@
 """What linear solves tell of unstable modes besides."""
 
+import weakref
+
 import numpy as np
 
 from .krylov import of_ksp
@@ -86,17 +88,19 @@ class Ritz:
     """
 
     def __init__(self, spots=None):
-        self.found, self._spots = [], spots
+        # (which holds the form, which holds this)
+        self.found, self._spots = [], weakref.ref(spots) if spots else lambda: None
 
     def __call__(self, snes, iteration, norm):
+        spots = self._spots()
         if iteration == 0:
             self.found = []
-            if self._spots:
-                self._spots.begin()
+            if spots:
+                spots.begin()
             return
         values = ritz_values(snes.getKSP())
         own = float(values.real.min()) if len(values) >= TELLING else np.nan
-        within = self._spots.softest if self._spots else np.nan
+        within = spots.softest if spots else np.nan
         least = float(np.fmin(own, within))
         if not np.isnan(least):
             self.found.append(least)

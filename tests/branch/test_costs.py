@@ -131,11 +131,11 @@ print((held("VmHWM") - before) / 8 / points ** 2, jumps)
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="no /proc")
 @pytest.mark.skipif(library.reason() is not None, reason="no compiled library")
 @pytest.mark.parametrize("points, start, path, slope, components, most", [
-    (384, 1, "normal_displacement=1.4", 6.0, 1, 27.5),
+    (384, 1, "normal_displacement=1.4", 6.0, 1, 27.0),
     (384, 1, "normal_displacement=1.1; tangential_displacement_x=0.2", 6.0, 3, 67.0),
-    (512, 0.3, "normal_displacement=0.36", 2.0, 1, 35.0)])
+    (512, 0.3, "normal_displacement=0.36", 2.0, 1, 31.0)])
 def test_memory_of_a_rough_plane(points, start, path, slope, components, most):
-    """Where the law acts on all nodes, in arrays of these: measured 25, 61, and 32 where linear
+    """Where the law acts on all nodes, in arrays of these: measured 24, 58, and 28 where linear
     solves are long and a spot jumps; more is told, for solves of 20 iterations, and of 50."""
     arguments = [str(points), f"normal_displacement={start}", path, str(slope)]
     done = subprocess.run([sys.executable, "-c", ROUGH, *arguments], capture_output=True,
