@@ -197,5 +197,5 @@ class Patches(InPatches):
         single : as of `CoreBlock.apply`; this has a precision of its own
         """
         matrix = (self._library or self._on_two_grids)(field)
-        if len(matrix) >= TELLING:
+        if len(matrix) >= TELLING and np.isfinite(matrix).all():
             self.softest = np.fmin(self.softest, np.linalg.eigvals(matrix).real.min())

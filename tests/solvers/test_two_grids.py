@@ -144,6 +144,18 @@ def test_a_mode_that_patches_have_is_told(exact):
         made.take(np.full(form.nodes, -0.1 / compliance))
 
 
+@pytest.mark.parametrize("kernels", [True, False], ids=["library", "numpy"])
+@pytest.mark.parametrize("number", [np.nan, np.inf])
+def test_what_is_no_number_is_passed_on(kernels, number):
+    """PETSc then tells of it; nothing is raised on the way."""
+    form = form_on(kernels=kernels)
+    made, field = patches_of(form, tangent_of(form)), np.ones(form.nodes)
+    field[7] = number
+    with np.errstate(all="ignore"):
+        made.apply(field)
+    assert not np.isfinite(field).all() and np.isnan(made.softest)
+
+
 def test_stiff_laws_and_steep_softening_have_no_patches(small):
     form = form_on(kernels=False)
     between = patch_systems.compliance_between(form.contact, 0, APART)
