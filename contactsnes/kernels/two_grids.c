@@ -1,4 +1,4 @@
-/* One component of a plane's linear system on two grids (solvers/two_grids.py has its mathematics). */
+/* One component of a plane's linear system on two grids (solvers/patch_systems.py has its mathematics). */
 #include "kernels.h"
 #include <math.h>
 #include <string.h>

@@ -69,35 +69,24 @@ class OnTwoGrids:
         own = self._structure = structures.TwoGrids(area=area, left=left, compliant=within,
                                                     nodes=len(patch), points=plan.real.size)
         self._counter, self._room = grid.counter, Room.of(plan.real.size, plan.real.dtype)
-        self._kept, self._kind = {}, plan.real.dtype
-        self._keep(patch=patch, number=number, **vars(self._room),
+        self._kept = {}
+        self.take(patch=patch, number=number, **vars(self._room),
                    inverse=np.empty(len(patch), dtype=plan.real.dtype))
         own.transform, self._plan = ctypes.pointer(plan.structure), plan
         self._reference = ctypes.addressof(own)
 
-    def _keep(self, **arrays):
-        """Take arrays by their names in `structures.TwoGrids`."""
+    def take(self, **arrays):
+        """Take arrays, of the transform's precision or as kernels.h has them, by their names in
+        `structures.TwoGrids`."""
         for name, array in arrays.items():
             self._kept[name] = np.ascontiguousarray(array)
             setattr(self._structure, name, address(self._kept[name]))
 
-    def weigh(self, within, tangent):
-        """Take the weights q = 1 / (1 + c D) of nodes; their sums over patches.
-
-        Parameters
-        ----------
-        within : float, c, as it was given
-        tangent : array (nodes), D
-        """
+    def weigh(self, tangent):
+        """Take the weights q = 1 / (1 + c D) of nodes, of a tangent D; their sums over patches."""
         tangent = np.ascontiguousarray(tangent)
         shared().weigh_nodes(self._reference, address(tangent))
         return self._room.sums[:self._structure.points].copy()
-
-    def take(self, **arrays):
-        """Take what belongs to patches, by its names in `structures.TwoGrids`."""
-        self._keep(**{name: array if name in ("mean", "within")
-                      else array.astype(self._kind, copy=False)
-                      for name, array in arrays.items()})
 
     def __call__(self, field):
         """Replace a field (nodes); the Hessenberg matrix of what was solved on patches."""

@@ -84,38 +84,32 @@ class Patches(InPatches):
         Unsuited : where no patch is stiff
         """
         weigh = self._library.weigh if self._library else self._weigh
-        inverse = weigh(WITHIN * self.between, tangent)
+        inverse = weigh(tangent)
         mean = np.where(self._there, inverse / self._number, 1.0)
         # (c D q = 1 - q)
         within = np.where(self._there, self._number - inverse, 0.0) / (WITHIN * self.between)
         stiffness = within / (mean * self._area)
         core, compliance, symbol = self._of_system(stiffness)
-        own = {"stiffness": stiffness, "core": core, "there": self._there, "mean": mean,
-               "within": within, "compliance": compliance, "symbol": symbol}
-        (self._library.take if self._library else self._take)(**own)
+        own = {"stiffness": stiffness, "core": core, "there": self._there,
+               "compliance": compliance, "symbol": symbol}
+        own = {name: array.astype(self._plan.real.dtype, copy=False)
+               for name, array in own.items()}
+        (self._library.take if self._library else self._take)(mean=mean, within=within, **own)
         self.softest = np.nan
 
     def _sums(self, values):
         """Sums of values at nodes over each patch; of None, how many nodes it has."""
         return np.bincount(self._patch, values, self._plan.real.size)
 
-    def _weigh(self, within, tangent):
-        """As `kernels.two_grids.OnTwoGrids.weigh`.
-
-        Parameters
-        ----------
-        within, tangent : as of that
-        """
-        inverse = 1.0 / (1.0 + within * tangent)
+    def _weigh(self, tangent):
+        """As `kernels.two_grids.OnTwoGrids.weigh`."""
+        inverse = 1.0 / (1.0 + WITHIN * self.between * tangent)
         self._inverse = inverse.astype(self._plan.real.dtype)
         return self._sums(inverse)
 
     def _take(self, **arrays):
         """As `kernels.two_grids.OnTwoGrids.take`."""
-        kind = self._plan.real.dtype
-        self._own = SimpleNamespace(**{
-            name: array if name in ("mean", "within") else array.astype(kind, copy=False)
-            for name, array in arrays.items()})
+        self._own = SimpleNamespace(**arrays)
 
     def _of_system(self, stiffness):
         """The core of patches, and the symbols of the compliance and of 1 less the core's inverse.
