@@ -1,19 +1,20 @@
 """What linear solves tell of unstable modes besides."""
 
+import math
 import weakref
+from functools import lru_cache
 
 import numpy as np
 
 from .krylov import of_ksp
-from .vectors import communicator
 
 TELLING = 3
 """Iterations of a linear solve whose Ritz values tell of a mode that is unstable."""
 STIRRED = 1e-5
 """Displacement, root mean square in ranges of the law, by which a solve of spots begins
 elsewhere."""
-PART = 2 ** 14
-"""Nodes that are looked at at a time."""
+PART, PARTS = 2 ** 14, 2 ** 12
+"""Nodes that are looked at at a time, and how many times noise goes on before it is repeated."""
 
 
 def many(contact):
@@ -35,37 +36,53 @@ def stirred(form, unknown, certified):
     """
     plane = many(form.contact) and form.components == 1
     line = len(form.grid.shape) == 1 and not (certified or form.contact.convex)
-    if form.in_displacements and (plane or line):
-        noise = np.random.default_rng(communicator(form).rank).random(form.count)
-        noise -= 0.5
-        _keep_open(form, unknown, noise)
-        _keep_odd(form, noise)
-        noise *= STIRRED / max(form.grid.norm(noise), 1e-300)
-        unknown[:form.count] += noise
+    if not (form.in_displacements and (plane or line)):
+        return unknown
+    fields, parts, squares = unknown[:form.count].reshape(form.shape), [], 0.0
+    half, before = getattr(form, "half", form), form.grid.before(form.nodes)
+    root = np.broadcast_to(form.root, form.nodes)
+    for i, field in enumerate(fields):
+        for part, noise in _noise(before + i * form.nodes, form.nodes):
+            # modes lose their stability where the law softens: deep overlap is as stiff as the law
+            # is steep
+            counts = True if i else field[part] * root[part] + half.initial_gap[part] > 0.0
+            some = noise * counts
+            squares += some @ some
+            parts.append((field[part], noise, counts))
+    scale = STIRRED / max(math.sqrt(form.grid.together(squares)), 1e-300)
+    for values, noise, counts in parts:
+        added = noise * scale
+        added *= counts
+        values += added
+    if half.window.even:
+        half.window.odd(fields)  # the equations of what vanishes are empty: nothing is added there
     return unknown
 
 
-def _keep_open(form, unknown, noise):
-    """Set noise of the normal component to zero, in place, where surfaces overlap: modes lose their
-    stability where the law softens, and deep overlap is as stiff as the law is steep.
+@lru_cache(maxsize=1)
+def _sown():
+    """Random numbers, and where in them each part of noise begins: a generator takes ten times as
+    long for a number as it takes to add one."""
+    source = np.random.default_rng(0)
+    return (source.random(2 * PART) - 0.5,
+            [0, *source.integers(PART, size=PARTS - 1).tolist()])
+
+
+def _noise(first, count):
+    """Noise of consecutive nodes by their numbers, whichever process has them: (slice, array) of
+    one part after the other.
 
     Parameters
     ----------
-    form : of the equations
-    unknown, noise : arrays of the form's size, and of its nodes and components
+    first, count : number of the first node, and how many there are
     """
-    root, gap = np.broadcast_to(form.root, form.nodes), getattr(form, "half", form).initial_gap
-    for first in range(0, form.nodes, PART):
-        part = slice(first, min(first + PART, form.nodes))
-        noise[part][unknown[part] * root[part] + gap[part] <= 0.0] = 0.0
-
-
-def _keep_odd(form, noise):
-    """Set noise of odd components to zero, in place, where they vanish: the equations there are
-    empty, so that it could not be solved away."""
-    window = getattr(form, "half", form).window
-    if window.even:
-        window.odd(noise.reshape(form.shape))
+    numbers, begins = _sown()
+    at = 0
+    while at < count:
+        part, within = divmod(first + at, PART)
+        place, many = begins[part % PARTS] + within, min(PART - within, count - at)
+        yield slice(at, at + many), numbers[place:place + many]
+        at += many
 
 
 def ritz_values(ksp):
