@@ -177,12 +177,20 @@ def combined(contact, states, weights):
     states : list of State
     weights : numbers, one a state
     """
-    _, nodes, known = alike(contact, states[-1:], states[:-1])
-    displacement = weighted([*known[1:], known[0]], weights)
-    gap = contact.gap_on(nodes)
-    floor = contact.grid.minimum(known[0][0] + gap) - 1.0
-    np.maximum(displacement[0], floor - gap, out=displacement[0])
+    _, nodes, (last, *others) = alike(contact, states[-1:], states[:-1])
+    compiled = contact.kernels.compiled and len(states) <= points.MOST
+    gap, known = contact.gap_on(nodes), [*others, last]
+    closest = points.closest(last[0], gap) if compiled else np.min(last[0] + gap, initial=np.inf)
+    floor = -contact.grid.largest(-closest) - 1.0
+    displacement = (points.combined if compiled else _combined)(known, weights, gap, floor)
     return spread(nodes, displacement, weighted([state.means for state in states], weights))
+
+
+def _combined(known, weights, initial_gap, floor):
+    """As `kernels.points.combined`."""
+    displacement = weighted(known, weights)
+    np.maximum(displacement[0], floor - initial_gap, out=displacement[0])
+    return displacement
 
 
 def distance(contact, first, second):

@@ -172,6 +172,8 @@ CALLS = {"forward": [_pointer, _long], "backward": [_pointer, _long],
                    _pointer],
          "survey": [_pointer, _long, _long, *[_pointer] * 6],
          "apart": [_long, _long, *[_pointer] * 4, _double, _pointer],
+         "closest": [_long, _pointer, _pointer],
+         "combined": [*[_long] * 3, *[_pointer] * 6, _double, _pointer],
          "extremes": [_long, _long, _pointer, _double, *[_pointer] * 4],
          "strays": [_long, _long, *[_pointer] * 7],
          "imbalance": [*[_pointer] * 3, _double, _pointer, _pointer, ctypes.c_int],
@@ -190,6 +192,6 @@ CALLS = {"forward": [_pointer, _long], "backward": [_pointer, _long],
 """What Python calls, and with what; a result that is none of `RETURNED` is a status."""
 
 RETURNED = {**dict.fromkeys(("motion_squares", "add_rows", "alternation", "path_work",
-                             "alternation_of_halves"), _double),
+                             "alternation_of_halves", "closest"), _double),
             "crossings": _long}
 """What returns something else."""

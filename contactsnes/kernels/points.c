@@ -5,24 +5,27 @@
 #include <math.h>
 #include <string.h>
 
-enum { SOME = 256, LANES = 8, FEW = 8 }; /* nodes at a time, numbers side by side, and places looked for */
+enum { SOME = 256, WIDE = 64, FEW = 8 }; /* nodes at a time, numbers side by side, and places looked for */
+enum { STRETCH = 64 }; /* nodes that are passed over together */
 
 static double greater(double a, double b)
 {
     return a > b ? a : b;
 }
 
-/* The largest of some numbers, unless one is known that is larger. */
+/* The largest of some numbers, unless one is known that is larger: of many side by side, which is what
+   compilers make vectors of. */
 CLONES static double largest_of(double known, const double *restrict x, long n)
 {
-    double most[LANES];
-    long k = 0;
-    for (long l = 0; l < LANES; l++) most[l] = known;
-    for (; k + LANES <= n; k += LANES)
-        for (long l = 0; l < LANES; l++) most[l] = x[k + l] > most[l] ? x[k + l] : most[l];
-    for (; k < n; k++) known = greater(x[k], known);
-    for (long l = 0; l < LANES; l++) known = greater(most[l], known);
-    return known;
+    double most[WIDE];
+    for (long l = 0; l < WIDE; l++) most[l] = known;
+    for (long from = 0; from < n; from += WIDE) {
+        const long some = n - from < WIDE ? n - from : WIDE;
+        for (long l = 0; l < some; l++) most[l] = x[from + l] > most[l] ? x[from + l] : most[l];
+    }
+    for (long half = WIDE / 2; half; half /= 2)
+        for (long l = 0; l < half; l++) most[l] = most[half + l] > most[l] ? most[half + l] : most[l];
+    return most[0];
 }
 
 /* Softening of the gap and of the slip along its own direction at each of some nodes: of a tangent (m, m, n),
@@ -74,7 +77,6 @@ typedef struct { /* of at most SOME nodes: gaps and tractions (m, n), the tangen
 CLONES static void find_sizes(long m, long n, Nodes *restrict a)
 {
     for (long k = 0; k < n; k++) a->slip[k] = a->drag[k] = 0.0;
-    if (m == 1) return;
     for (long i = 1; i < m; i++)
         for (long k = 0; k < n; k++) {
             a->slip[k] += a->gap[i * n + k] * a->gap[i * n + k];
@@ -119,8 +121,9 @@ void survey(const Law *law, long m, long nodes, const double *displacement, cons
             const double *weight, const double *limits, double *numbers, double *traction)
 {
     Nodes a;
-    double lowest = INFINITY, slipped = 0.0, pressure = 0.0, shear = 0.0, steepest = 0.0;
+    double deepest = -INFINITY, no_number = 0.0, slipped = 0.0, pressure = 0.0, shear = 0.0, steepest = 0.0;
     double sums[2 + 2 * MOST] = {0};
+    memset(a.slip, 0, sizeof a.slip); /* which one component has not */
     for (long from = 0; from < nodes; from += SOME) {
         const long n = nodes - from < SOME ? nodes - from : SOME;
         for (long i = 0; i < m; i++) {
@@ -130,7 +133,7 @@ void survey(const Law *law, long m, long nodes, const double *displacement, cons
         evaluate(law, m, n, a.gap, a.traction, a.tangent);
         for (long i = 0; i < m; i++)
             memcpy(traction + i * nodes + from, a.traction + i * n, n * sizeof *traction);
-        find_sizes(m, n, &a);
+        if (m > 1) find_sizes(m, n, &a);
         softening(m, n, a.tangent, a.gap, a.slip, limits[2], limits[3], a.each);
         steepest = largest_of(steepest, a.each, n);
         for (long k = 0; k < n; k++) a.each[k] = -a.traction[k];
@@ -140,12 +143,45 @@ void survey(const Law *law, long m, long nodes, const double *displacement, cons
             for (long k = 0; k < n; k++) a.each[k] = a.gap[k] < limits[0] ? a.slip[k] : 0.0;
             slipped = largest_of(slipped, a.each, n);
         }
-        for (long k = 0; k < n; k++) lowest = a.gap[k] < lowest || a.gap[k] != a.gap[k] ? a.gap[k] : lowest;
+        for (long k = 0; k < n; k++) {
+            a.each[k] = -a.gap[k];
+            no_number += a.gap[k] != a.gap[k] ? 1.0 : 0.0;
+        }
+        deepest = largest_of(deepest, a.each, n);
         add_sums(m, n, &a, displacement + from, nodes, weight ? weight + from : 0, limits, sums);
     }
-    const double found[] = {lowest, slipped, pressure, shear, steepest};
+    const double found[] = {no_number > 0.0 ? NAN : -deepest, slipped, pressure, shear, steepest};
     memcpy(numbers, found, sizeof found);
     memcpy(numbers + 5, sums, (2 + 2 * m) * sizeof *sums);
+}
+
+/* Whether the law acts on some of n nodes, normal gaps below `reach`, at one of three displacements. */
+CLONES static int acts(long n, const double *restrict one, const double *restrict two,
+                       const double *restrict three, const double *restrict initial_gap, double reach)
+{
+    double count = 0.0;
+    for (long k = 0; k < n; k++) {
+        const double either = one[k] < two[k] ? one[k] : two[k];
+        count += (three[k] < either ? three[k] : either) + initial_gap[k] < reach ? 1.0 : 0.0;
+    }
+    return count > 0.0;
+}
+
+/* The next nodes from *from on, SOME at most, on some of which the law acts at one of three displacements:
+   how many, 0 behind the last of them; *from becomes their first. Those where it does not, which are most
+   nodes of a rough plane, are not asked for more. */
+static long next_acting(long nodes, long *from, const double *one, const double *two, const double *three,
+                        const double *initial_gap, double reach)
+{
+    long n = 0;
+    for (long at = *from, many; at < nodes && n < SOME; at += many) {
+        many = nodes - at < STRETCH ? nodes - at : STRETCH;
+        if (acts(many, one + at, two + at, three + at, initial_gap + at, reach)) {
+            *from = n ? *from : at;
+            n += many;
+        } else if (n) break;
+    }
+    return n;
 }
 
 /* Of two fields (m, nodes): the largest difference where the law acts on either (normal gap below
@@ -154,8 +190,8 @@ CLONES void apart(long m, long nodes, const double *first, const double *second,
                   const double *weight, double reach, double *numbers)
 {
     double largest = 0.0, count = 0.0, squares = 0.0;
-    for (long from = 0; from < nodes; from += SOME) {
-        const long n = nodes - from < SOME ? nodes - from : SOME;
+    for (long from = 0, n; (n = next_acting(nodes, &from, first, second, second, initial_gap, reach));
+         from += n) {
         double near[SOME];
         for (long k = from; k < from + n; k++) {
             const double closer = first[k] < second[k] ? first[k] : second[k];
@@ -176,6 +212,41 @@ CLONES void apart(long m, long nodes, const double *first, const double *second,
     numbers[0] = largest;
     numbers[1] = count;
     numbers[2] = squares;
+}
+
+/* Smallest normal gap. */
+double closest(long nodes, const double *displacement, const double *initial_gap)
+{
+    double depth[SOME], deepest = -INFINITY;
+    for (long from = 0; from < nodes; from += SOME) {
+        const long n = nodes - from < SOME ? nodes - from : SOME;
+        for (long k = 0; k < n; k++) depth[k] = -(displacement[from + k] + initial_gap[from + k]);
+        deepest = largest_of(deepest, depth, n);
+    }
+    return -deepest;
+}
+
+/* out = weighted sum of one to four fields (m, nodes), without gaps below `floor`. */
+CLONES void combined(long m, long nodes, long count, const double *one, const double *two, const double *three,
+                     const double *four, const double *weights, const double *restrict initial_gap,
+                     double floor, double *restrict out)
+{
+    const double *of[] = {one, two, three, four};
+    for (long i = 0; i < m; i++)
+        for (long from = 0; from < nodes; from += SOME) {
+            const long n = nodes - from < SOME ? nodes - from : SOME, at = i * nodes + from;
+            double *restrict sum = out + at;
+            double part[SOME];
+            for (long k = 0; k < n; k++) part[k] = weights[0] * one[at + k];
+            for (long j = 1; j < count; j++) {
+                const double *restrict x = of[j] + at, w = weights[j];
+                for (long k = 0; k < n; k++) part[k] += w * x[k];
+            }
+            for (long k = 0; k < n; k++) {
+                const double least = i ? part[k] : floor - initial_gap[from + k];
+                sum[k] = part[k] < least ? least : part[k];
+            }
+        }
 }
 
 /* numbers: the largest size of a change (m, nodes), times `root`, over `scale` (m, nodes) where there is
@@ -288,10 +359,11 @@ CLONES static void count_nodes(const Ways *restrict w, const double *restrict we
 void strays(long m, long nodes, const double *foretold, const double *ended, const double *began,
             const double *initial_gap, const double *weight, const Limits *l, double *numbers)
 {
+    const double reach = m > 1 ? greater(l->reach, l->contact) : l->reach; /* beyond, nothing counts */
     double beyond = -l->strays, moved = 0.0, sums[9] = {0};
     Ways w;
-    for (long from = 0; from < nodes; from += SOME) {
-        const long n = nodes - from < SOME ? nodes - from : SOME;
+    for (long from = 0, n; (n = next_acting(nodes, &from, foretold, ended, began, initial_gap, reach));
+         from += n) {
         ways(m, nodes, from, n, foretold, ended, began, initial_gap, l, 1.0, &w);
         count_nodes(&w, weight ? weight + from : 0, n, l, sums);
         beyond = largest_of(beyond, w.aside, n);
@@ -341,8 +413,8 @@ void releases(const Law *law, long m, long nodes, const double *foretold, const 
     Asked a;
     Ways w;
     memset(numbers, 0, 6 * sizeof *numbers);
-    for (long from = 0; from < nodes; from += SOME) {
-        const long n = nodes - from < SOME ? nodes - from : SOME;
+    for (long from = 0, n; (n = next_acting(nodes, &from, foretold, ended, began, initial_gap, l->reach));
+         from += n) {
         ways(m, nodes, from, n, foretold, ended, began, initial_gap, l, l->doubtful, &w);
         a.held = 0;
         for (long k = 0; k < n; k++) {
@@ -396,15 +468,17 @@ CLONES static void add_imbalances(const Form *f, const double *displacement, lon
                                   const double *restrict x, double *restrict numbers)
 {
     const double *restrict u = displacement + at, *restrict gap = f->initial_gap + at;
-    double largest = numbers[1], acting = 0.0;
-    for (long k = 0; k < n; k++) {
-        const int acts = u[k] + gap[k] < reach;
-        const double size = acts ? fabs(x[k]) : 0.0;
-        largest = size > largest ? size : largest;
-        acting += acts ? 1.0 : 0.0;
+    double acting = 0.0, size[SOME];
+    for (long from = 0; from < n; from += SOME) {
+        const long some = n - from < SOME ? n - from : SOME;
+        for (long k = 0; k < some; k++) {
+            const double counts = u[from + k] + gap[from + k] < reach ? 1.0 : 0.0;
+            size[k] = counts > 0.0 ? fabs(x[from + k]) : 0.0;
+            acting += counts;
+        }
+        numbers[1] = largest_of(numbers[1], size, some);
     }
     numbers[0] += weighted_squares(x, f->weight ? f->weight + at : 0, n);
-    numbers[1] = largest;
     numbers[2] += acting;
 }
 
@@ -537,7 +611,7 @@ CLONES static double largest_sum(const double *const *rows, const double *factor
     const double *restrict a = rows[0], *restrict b = rows[1], *restrict c = rows[2], *restrict d = rows[3];
     const double *restrict e = rows[4], *restrict f = rows[5], *restrict g = rows[6], *restrict h = rows[7];
     const double *restrict i = rows[8], *restrict s = factors;
-    double most[LANES] = {0}, found = 0.0;
+    double most[CHUNK] = {0};
     if (n == 1) return fabs(s[0] * *a + s[1] * *b + s[2] * *c + s[3] * *d + s[4] * *e + s[5] * *f + s[6] * *g
                             + s[7] * *h + s[8] * *i);
     for (long from = 0; from < n; from += CHUNK) {
@@ -547,11 +621,9 @@ CLONES static double largest_sum(const double *const *rows, const double *factor
             sum[k] = s[0] * a[from + k] + s[1] * b[from + k] + s[2] * c[from + k] + s[3] * d[from + k]
                 + s[4] * e[from + k] + s[5] * f[from + k] + s[6] * g[from + k] + s[7] * h[from + k]
                 + s[8] * i[from + k];
-        for (long k = 0; k < CHUNK; k += LANES)
-            for (int l = 0; l < LANES; l++) most[l] = fabs(sum[k + l]) > most[l] ? fabs(sum[k + l]) : most[l];
+        for (long k = 0; k < CHUNK; k++) most[k] = fabs(sum[k]) > most[k] ? fabs(sum[k]) : most[k];
     }
-    for (int l = 0; l < LANES; l++) found = most[l] > found ? most[l] : found;
-    return found;
+    return largest_of(0.0, most, CHUNK);
 }
 
 /* Largest eighth difference, over 256, along the middle axis of values (outer, count, wide) and beyond its

@@ -7,6 +7,9 @@ import numpy as np
 from .library import shared
 from .structures import address
 
+MOST = 4
+"""States that a function takes at once, at most."""
+
 
 def _flat(*arrays):
     """Contiguous arrays of doubles."""
@@ -45,6 +48,30 @@ def apart(first, second, initial_gap, weights, reach):
     shared().apart(*first.shape, address(first), address(second), address(initial_gap),
                    address(weights), reach, address(numbers))
     return numbers
+
+
+def closest(displacement, initial_gap):
+    """Smallest normal gap of normal displacements, arrays (nodes,)."""
+    displacement, initial_gap = _flat(displacement, initial_gap)
+    return shared().closest(len(displacement), address(displacement), address(initial_gap))
+
+
+def combined(known, weights, initial_gap, floor):
+    """Weighted sum of up to four displacements (components, nodes), without normal gaps below a
+    floor.
+
+    Parameters
+    ----------
+    known : list of arrays (components, nodes)
+    weights : numbers, one of each
+    initial_gap : array (nodes,)
+    floor : float
+    """
+    count, known, (initial_gap, weights) = len(known), _states(known), _flat(initial_gap, weights)
+    found = np.empty_like(known[0])
+    shared().combined(*found.shape, count, *map(address, known), address(weights),
+                      address(initial_gap), floor, address(found))
+    return found
 
 
 def extremes(shape, change, root, counts, scale, weights):
@@ -211,5 +238,5 @@ def squares_along(known, weights):
 
 
 def _states(known):
-    """Four contiguous arrays, those that are missing None."""
-    return _flat(*known, *[None] * (4 - len(known)))
+    """`MOST` contiguous arrays, those that are missing None."""
+    return _flat(*known, *[None] * (MOST - len(known)))

@@ -146,17 +146,36 @@ def test_a_survey_of_known_tractions():
 @pytest.mark.parametrize("nodes", [1, 256, 700])
 @pytest.mark.parametrize("components", [1, 2, 3])
 def test_ways_of_steps(components, nodes, weighted):
-    """How states lie to each other, by the library and by NumPy."""
+    """How states lie to each other, by the library, which passes over nodes out of reach, and by
+    NumPy, also where contact is said to go farther than the law reaches."""
     (foretold, ended, began), gap, weights = fields(components, nodes, 3)
     began[:, ::2], ended[:, ::7] = -ended[:, ::2], 20.0
+    gap[65:330] += 30.0
+    gap[450:580] += 30.0
     contact, weights = Contact(SOFT), weights if weighted else None
     limits = acceptance._limits(contact)
     np.testing.assert_allclose(points.apart(began, ended, gap, weights, 3.0),
                                states._apart(began, ended, gap, weights, 3.0), rtol=1e-12)
-    told = points.strays(foretold, ended, began, gap, weights, limits)
-    expected = acceptance._by_numpy(foretold, ended, began, gap, weights, limits)
-    np.testing.assert_allclose(told, expected, rtol=1e-12, atol=1e-12)
-    assert nodes < 700 or np.all(expected[2:6] > 0.0) and (components == 1) == (expected[6] == 0.0)
+    for limits[-2] in (limits[-2], 60.0):
+        told = points.strays(foretold, ended, began, gap, weights, limits)
+        expected = acceptance._by_numpy(foretold, ended, began, gap, weights, limits)
+        np.testing.assert_allclose(told, expected, rtol=1e-12, atol=1e-12)
+        assert nodes < 700 or (np.all(expected[2:6] > 0.0)
+                               and (components == 1) == (expected[6] == 0.0))
+
+
+@compiled
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+@pytest.mark.parametrize("components, nodes", [(1, 1), (1, 700), (3, 259)])
+def test_combined_states(components, nodes, count):
+    """Weighted sums by the library and by NumPy, without gaps below a floor."""
+    known, gap, weights = fields(components, nodes, count)
+    given = list(known), np.array([1.5, -0.7, 0.3, 0.2])[:count], gap
+    for floor in (-np.inf, 1.0):
+        np.testing.assert_allclose(points.combined(*given, floor),
+                                   states._combined(*given, floor), rtol=1e-14, atol=1e-15)
+    assert np.min(points.combined(*given, 1.0)[0] + gap) >= 1.0 - 1e-14
+    assert points.closest(known[0][0], gap) == np.min(known[0][0] + gap)
 
 
 @compiled
@@ -185,6 +204,7 @@ def test_releases(components):
     contact = Contact(SOFT)
     began[0, ::3] += 20.0
     ended[0, ::3] += 20.0
+    gap[65:330] += 30.0  # where nodes are passed over together
     change, aside, near, allowed = acceptance._ways(foretold, ended, began, gap)
     gaps = began.copy()
     gaps[0] += gap
