@@ -43,7 +43,7 @@ LEFT = 0.5
 it; a parabola just behind its fold has one half."""
 
 
-_TOLD = weakref.WeakKeyDictionary()
+TOLD = weakref.WeakKeyDictionary()
 """State -> contact, guess and state before it, and the Ways that these make."""
 
 
@@ -76,11 +76,9 @@ def ways(contact, guess, last, found):
     guess : State, predicted from points of the branch
     last, found : State, equilibria
     """
-    kept = _TOLD.get(found)
-    if kept is not None:
-        asked, made = kept
-        if asked[0]() is contact and asked[1]() is guess and asked[2]() is last:
-            return made
+    asked, made = TOLD.get(found, ((), None))
+    if [one() for one in asked] == [contact, guess, last]:
+        return made
     grid, *fields = _known(contact, guess, last, found)
     told = (points.strays if contact.kernels.compiled else _by_numpy)(*fields, _limits(contact))
     beyond, farthest = grid.largest(told[:2]).tolist()
@@ -88,7 +86,7 @@ def ways(contact, guess, last, found):
     components = len(fields[0])
     made = Ways(math.sqrt(missed / max(components * near, 1.0)),
                 math.sqrt(moved / max(components * acting, 1.0)), beyond, farthest, counts)
-    _TOLD[found] = tuple(map(weakref.ref, (contact, guess, last))), made
+    TOLD[found] = tuple(map(weakref.ref, (contact, guess, last))), made
     return made
 
 

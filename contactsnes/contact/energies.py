@@ -88,23 +88,33 @@ def stored(contact, point):
     grid = contact.grid if state.half is None else state.half.grid
     elastic = 0.5 * weights(contact, state.components) @ (
         point.forces * far_displacements(contact, point) - grid.node_area * survey.work)
-    potential = _potential(contact, state)
+    potential = _potential(contact, state, getattr(grid, "weights", None))
     # whether there is one hangs on the gaps of all nodes
     return float(elastic), np.nan if grid.any(potential is None) else float(
-        grid.node_area * grid.sum(potential))
+        grid.node_area * grid.together(potential))
 
 
-def _potential(contact, state):
-    """Energy of the interface at each of a state's nodes, phi_n: part by part, which stay in the
-    processor's cache. None where there is none."""
-    found, initial_gap = [], contact.gap_on(state.nodes)
-    for first in range(0, max(len(initial_gap), 1), PART):
-        gap = state.once[:, first:first + PART].copy()
-        gap[0] += initial_gap[first:first + PART]
+def _potential(contact, state, each):
+    """Energy of the interface, summed over a state's nodes, phi_n: part by part, which stay in the
+    processor's cache. None where there is none.
+
+    Parameters
+    ----------
+    contact, state : Contact, State
+    each : array, for how many nodes each of them stands; None: for itself
+    """
+    found, initial_gap = 0.0, contact.gap_on(state.nodes)
+    for first in range(0, len(initial_gap), PART):
+        part = slice(first, first + PART)
+        gap = state.once[:, part].copy()
+        gap[0] += initial_gap[part]
         if len(gap) > 1:
             gap[1:] *= (gap[0] < contact.law.range) & (slip_of(gap) > STICKING)
-        found.append(contact.law.potential(gap, contact.scene.work_ratio))
-    return None if any(part is None for part in found) else np.concatenate(found)
+        energy = contact.law.potential(gap, contact.scene.work_ratio)
+        if energy is None:
+            return None
+        found += np.add.reduce(energy) if each is None else energy @ each[part]
+    return found
 
 
 def straight(contact, first, last, panels=1):

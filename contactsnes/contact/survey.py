@@ -86,17 +86,15 @@ def _alternating(contact, state, traction):
     parts, alternation = every.parts, contact.kernels.alternation
     largest = grid.largest(np.maximum(np.maximum.reduce(fields, axis=1, initial=0.0),
                                       -np.minimum.reduce(fields, axis=1, initial=0.0)))
-    fields /= np.maximum(largest, TRACTIONLESS)[:, None]
-    # beyond a window the law does not act; components that are alike are asked for together
+    # beyond a window the law does not act
     parities = half.parities if halved else None
-    together = ([(fields, (int(halved),) * len(every.shape))] if parities is None
-                else zip(fields[:, None], parities))
-    for values, signs in together:
-        boxes = every.box(values).reshape(len(values) * len(parts), *parts[0].shape)
+    for i, values in enumerate(fields):
+        boxes = every.box(values).reshape(len(parts), *parts[0].shape)
+        signs = parities[i] if parities else (int(halved),) * len(every.shape)
         for axis, (closed, sign) in enumerate(zip(parts[0].closed, signs), start=1):
             aside = (across_rows(parts[0], boxes, sign, alternation) if grid.shared and axis == 1
                      else grid.largest(alternation(boxes, axis, sign, closed)))
-            found = max(found, aside)
+            found = max(found, aside / max(largest[i], TRACTIONLESS))
     return float(found)
 
 

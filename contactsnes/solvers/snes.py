@@ -152,9 +152,12 @@ def idle(snes, form):
 def end_of(snes, form):
     """Norm of F, without the row of an arc, where a SNES ended; None on lines, whose transforms
     take hardly longer than to look."""
-    left = snes.getFunction()[0].getArray(readonly=True)
     own = getattr(form, "form", form)
-    return own.grid.norm(left[:own.size]) if len(own.grid.shape) > 1 else None
+    if len(own.grid.shape) == 1:
+        return None
+    if own is form:
+        return snes.getFunctionNorm()
+    return own.grid.norm(snes.getFunction()[0].getArray(readonly=True)[:own.size])
 
 
 def watch_modes(snes, form, method, spots=None):

@@ -73,7 +73,8 @@ class Coupled(Law):
         no potential.
         """
         if not np.min(normal_gap, initial=self.deepest) < self.deepest:
-            decay = np.exp(-normal_gap)
+            decay = np.negative(normal_gap)
+            np.exp(decay, out=decay)
             decay *= 1.0 + normal_gap
             return np.subtract(1.0, decay, out=decay)
         depth = np.minimum(normal_gap - self.deepest, 0.0)
