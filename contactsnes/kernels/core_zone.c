@@ -519,6 +519,7 @@ static int apply_component(Zone *z, long i, const double *from, double *field)
 {
     Block *b = &z->block[i];
     const long boxes = z->form->response->boxes, n = nodes_of_box(z->form);
+    if (z->grids[i]) return on_two_grids(z->grids[i], from, field);
     if (!b->on) {
         copy(from, field, z->form->nodes);
         return 0;
@@ -738,9 +739,14 @@ int precondition_in_single(Zone *z, const float *vector, float *out)
     double right[MOST] = {0}, scalar[MOST] = {0};
     int status;
     z->applications++;
-    for (long i = 0; i < m; i++)
-        if (!z->block[i].on) memcpy(out + i * n, vector + i * n, n * sizeof *out);
-        else if ((status = apply_block_in_single(z, &z->block[i], vector + i * n, out + i * n))) return status;
+    for (long i = 0; i < m; i++) {
+        const float *x = vector + i * n;
+        status = 0;
+        if (z->grids[i]) status = on_two_grids_of_floats(z->grids[i], x, out + i * n);
+        else if (z->block[i].on) status = apply_block_in_single(z, &z->block[i], x, out + i * n);
+        else memcpy(out + i * n, x, n * sizeof *out);
+        if (status) return status;
+    }
     for (long at = 0; at < n && q; at += SOME)
         for (long row = 0; row < q; row++)
             for (long j = 0; j < m; j++)
@@ -776,7 +782,7 @@ int set_up(Zone *z)
     int status;
     z->set_ups++;
     for (long i = 0; i < f->components; i++) {
-        if (!find_core(z, i)) continue;
+        if (z->grids[i] || !find_core(z, i)) continue;
         if (find_circle(z, i)) return 1;
         z->block[i].made = NONE;
         if (f->response->boxes > 1 && (status = couple_boxes(z, i))) return status;

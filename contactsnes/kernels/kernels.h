@@ -138,6 +138,22 @@ typedef struct { /* a blur of masks over boxes: three running means of 2 reach +
     double *sums; /* room for 2 x 8 lines of doubles, the longest of the box */
 } Blur;
 
+/* one component on two grids, of nodes and of patches of nodes; numbers of either in the transform's precision,
+   doubles aside */
+typedef struct {
+    Transform *transform;
+    long nodes, points;
+    const int *patch;
+    const void *inverse;                                        /* of nodes */
+    const void *stiffness, *core, *there, *compliance, *symbol; /* of patches, and of waves */
+    const double *mean, *within, *number;
+    double area, left, compliant; /* c of waves within patches */
+    double *sums;                 /* room for two numbers a patch */
+    void *rows, *made;
+    double *matrix; /* of its last solve, column by column */
+    long count;
+} TwoGrids;
+
 typedef struct Zone Zone;
 struct Zone { /* CoreZone, of a form or of a form under arc length */
     Form *form;
@@ -154,6 +170,7 @@ struct Zone { /* CoreZone, of a form or of a form under arc length */
     const double *between[MOST]; /* of several boxes: kernel at their offsets, (boxes, boxes) */
     double kernel_at_zero[MOST];
     Block block[MOST];
+    TwoGrids *grids[MOST]; /* in place of blocks; null: of none */
     long mean_count, means[MOST];
     double *columns, *mask, *blur, *sums, *column, slope, inverse[MOST * MOST];
 };
@@ -193,21 +210,6 @@ struct Libraries {
     int (*tolerances)(void *, double *, double *, double *, int *);
     int (*right_side)(void *, void **), (*norm)(void *, int, double *);
 };
-/* one component on two grids, of nodes and of patches of nodes; numbers of either in the transform's precision,
-   doubles aside */
-typedef struct {
-    Transform *transform;
-    long nodes, points;
-    const int *patch;
-    const void *inverse;                                        /* of nodes */
-    const void *stiffness, *core, *there, *compliance, *symbol; /* of patches, and of waves */
-    const double *mean, *within, *number;
-    double area, left, compliant; /* c of waves within patches */
-    double *sums;                 /* room for two numbers a patch */
-    void *rows, *made;
-    double *matrix; /* of its last solve, column by column */
-    long count;
-} TwoGrids;
 
 extern struct Libraries libraries;
 
@@ -291,6 +293,8 @@ int arc_product(Form *f, const Arc *arc, const double *vector, double *out);
 int arc_transposed(Form *f, const Arc *arc, const double *vector, double *out);
 void smooth_mask(const Blur *b, const unsigned char *mask, int mirrors, long first_row, long count,
                  float *sums, double *out);
+int on_two_grids(TwoGrids *g, const double *field, double *out);
+int on_two_grids_of_floats(TwoGrids *g, const float *field, float *out);
 int set_up(Zone *z);
 int precondition(Zone *z, const double *vector, double *out);
 void gaps_of_regularised(const Law *law, long nodes, const double *target, double stiffness, double *out);

@@ -233,11 +233,13 @@ static void keep(long size, float *vector, double factor, void *row, double *sca
 }
 
 /* An iteration: the vector times a factor becomes row number `place`; the preconditioner makes of it what fills
-   `made`, and of the product with that the vector is what the rows leave. found: its products with these, and
+   `made`, which is rounded to short integers, `kept` with its scales, unless that is null; of the product with
+   that the vector is what the rows leave. found: its products with these, and
    its length, 0 where they span it: what is shorter than `cancelled` times what it was is made orthogonal once
    more, and nothing below `left`. work: as many numbers as rows. */
 int iterate(System *s, long place, long size, void *const *rows, double *const *scales, double factor,
-            float *vector, float *made, double cancelled, double left, double *found, double *work)
+            float *vector, float *made, short *kept, double *kept_scales, double cancelled, double left,
+            double *found, double *work)
 {
     const void *const *known = (const void *const *)rows;
     const double *const *sizes = (const double *const *)scales;
@@ -246,6 +248,7 @@ int iterate(System *s, long place, long size, void *const *rows, double *const *
     if (status) return status;
     keep(size, vector, factor, rows[place], scales ? scales[place] : 0);
     if ((status = precondition_in_single(s->zone, vector, made))) return status;
+    if (kept) keep(size, made, 1.0, kept, kept_scales);
     if ((status = product_in_single(s->form, made, vector))) return status;
     products_in_single(count, size, known, sizes, vector, found);
     const double before = sqrt(found[count]);

@@ -86,10 +86,13 @@ class Iterations:
     space : Basis in single precision, or `Short`
     made : Basis of what the preconditioner made of its rows, or None
     cancelled, left : parts of a vector, as of `solvers.basis.orthogonalised`
+    applied : what is called when the preconditioner was applied, or None
     """
 
-    def __init__(self, system, counter, begin, vectors, space, made, cancelled, left):
+    def __init__(self, system, counter, begin, vectors, space, made, cancelled, left,
+                 applied=None):
         self._system, self._counter = ctypes.addressof(system), counter
+        self._applied = applied
         self._vectors, self._bases, self._bounds = vectors, (space, made), (cancelled, left)
         shared().narrowed(len(begin), address(begin), address(vectors[0]))
 
@@ -98,12 +101,20 @@ class Iterations:
         leave of the product; its products with them, and last its length."""
         (space, made), (vector, work) = self._bases, self._vectors
         space.make(place)
+        out, kept = work, (None, None)
         if made:
             made.make(place)
-        room, kept = np.empty((2, place + 2)), made.rows[place] if made else work
+            row = made.rows[place]
+            if isinstance(row, Rounded):
+                kept = address(row.numbers), address(row.scales)
+            else:
+                out = row
+        room = np.empty((2, place + 2))
         call(shared().iterate, self._counter, self._system, place, len(vector),
-             *space.rows.places(), factor, address(vector), address(kept), *self._bounds,
+             *space.rows.places(), factor, address(vector), address(out), *kept, *self._bounds,
              address(room[0]), address(room[1]))
+        if self._applied:
+            self._applied()
         return room[0]
 
     def end(self, factors):

@@ -153,6 +153,19 @@ class Blur(ctypes.Structure):
                 ("sums", c_void_p)]
 
 
+class TwoGrids(ctypes.Structure):
+    """One component on two grids."""
+
+    _fields_ = [("transform", POINTER(Transform)), ("nodes", c_long), ("points", c_long),
+                ("patch", c_void_p), ("inverse", c_void_p),
+                ("stiffness", c_void_p), ("core", c_void_p), ("there", c_void_p),
+                ("compliance", c_void_p), ("symbol", c_void_p), ("mean", c_void_p),
+                ("within", c_void_p), ("number", c_void_p), ("area", c_double),
+                ("left", c_double), ("compliant", c_double), ("sums", c_void_p),
+                ("rows", c_void_p), ("made", c_void_p), ("matrix", c_void_p),
+                ("count", c_long)]
+
+
 Missing = ctypes.CFUNCTYPE(c_int, c_long, c_long, c_long, c_long)
 
 
@@ -167,23 +180,11 @@ class Zone(ctypes.Structure):
                 ("patched", c_long), ("start", c_long * 2),
                 ("shortest", c_double * PATCHES * MOST), ("between", c_void_p * MOST),
                 ("kernel_at_zero", c_double * MOST), ("block", Block * MOST),
-                ("mean_count", c_long), ("means", c_long * MOST), ("columns", c_void_p),
+                ("grids", POINTER(TwoGrids) * MOST), ("mean_count", c_long),
+                ("means", c_long * MOST), ("columns", c_void_p),
                 ("mask", c_void_p), ("blur", c_void_p), ("sums", c_void_p),
                 ("column", c_void_p), ("slope", c_double),
                 ("inverse", c_double * (MOST * MOST))]
-
-
-class TwoGrids(ctypes.Structure):
-    """One component on two grids."""
-
-    _fields_ = [("transform", POINTER(Transform)), ("nodes", c_long), ("points", c_long),
-                ("patch", c_void_p), ("inverse", c_void_p),
-                ("stiffness", c_void_p), ("core", c_void_p), ("there", c_void_p),
-                ("compliance", c_void_p), ("symbol", c_void_p), ("mean", c_void_p),
-                ("within", c_void_p), ("number", c_void_p), ("area", c_double),
-                ("left", c_double), ("compliant", c_double), ("sums", c_void_p),
-                ("rows", c_void_p), ("made", c_void_p), ("matrix", c_void_p),
-                ("count", c_long)]
 
 
 class Overdamped(ctypes.Structure):

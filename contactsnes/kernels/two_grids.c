@@ -3,7 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-enum { PARTS = 16 }; /* of a sum, side by side */
+enum { PARTS = 16 };   /* of a sum, side by side */
+enum { SOME = 1024 };  /* nodes whose fields stay in the cache */
 
 #define BODY "two_grids.h"
 #include "both.h"
@@ -22,8 +23,41 @@ void weigh_nodes(TwoGrids *g, const double *tangent)
     else weigh_in_double(g, tangent);
 }
 
-/* What the two grids make of a field, in place. */
-int on_two_grids(TwoGrids *g, double *field)
+/* Some nodes of a field, in doubles. */
+static const double *some_of(const void *field, int floats, long at, long n, double *part)
 {
-    return g->transform->single ? on_two_grids_in_single(g, field) : on_two_grids_in_double(g, field);
+    if (!floats) return (const double *)field + at;
+    widen((const float *)field + at, part, n);
+    return part;
+}
+
+/* What the two grids make of a field, to another one or in place. */
+static int apply(TwoGrids *g, const void *field, void *out, int floats)
+{
+    const int single = (int)g->transform->single;
+    double part[SOME];
+    memset(g->sums, 0, 2 * g->points * sizeof *g->sums);
+    for (long at = 0; at < g->nodes; at += SOME) {
+        const long n = g->nodes - at < SOME ? g->nodes - at : SOME;
+        (single ? gather_in_single : gather_in_double)(g, some_of(field, floats, at, n, part), at, n);
+    }
+    const int status = single ? on_patches_in_single(g) : on_patches_in_double(g);
+    if (status) return status;
+    for (long at = 0; at < g->nodes; at += SOME) {
+        const long n = g->nodes - at < SOME ? g->nodes - at : SOME;
+        double *here = floats ? part : (double *)out + at;
+        (single ? scatter_in_single : scatter_in_double)(g, some_of(field, floats, at, n, part), at, n, here);
+        if (floats) narrow(here, (float *)out + at, n);
+    }
+    return 0;
+}
+
+int on_two_grids(TwoGrids *g, const double *field, double *out)
+{
+    return apply(g, field, out, 0);
+}
+
+int on_two_grids_of_floats(TwoGrids *g, const float *field, float *out)
+{
+    return apply(g, field, out, 1);
 }

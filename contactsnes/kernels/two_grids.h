@@ -13,24 +13,29 @@ static void OF(weigh)(const TwoGrids *g, const double *restrict tangent)
     }
 }
 
-/* Sums over patches of a field, and of it times the weights: two numbers a patch. */
-static void OF(gather)(const TwoGrids *g, const double *restrict x)
+/* Adds some nodes' field, and the field times their weights, to two sums of each patch: four nodes after
+   each other are mostly of one. */
+static void OF(gather)(const TwoGrids *g, const double *restrict x, long at, long n)
 {
-    const REAL *restrict inverse = g->inverse;
-    double *restrict sums = g->sums;
-    memset(sums, 0, 2 * g->points * sizeof *sums);
-    for (long k = 0; k < g->nodes; k++) {
-        double *here = sums + 2 * g->patch[k];
-        here[0] += x[k];
-        here[1] += inverse[k] * x[k];
+    const REAL *restrict q = (const REAL *)g->inverse + at;
+    const int *restrict patch = g->patch + at;
+    for (long k = 0; k < n;) {
+        double *here = g->sums + 2 * patch[k];
+        const int four = k + 4 <= n && patch[k] == patch[k + 1] && patch[k] == patch[k + 2] && patch[k] == patch[k + 3];
+        here[0] += four ? (x[k] + x[k + 1]) + (x[k + 2] + x[k + 3]) : x[k];
+        here[1] += four ? (q[k] * x[k] + q[k + 1] * x[k + 1]) + (q[k + 2] * x[k + 2] + q[k + 3] * x[k + 3])
+                        : q[k] * x[k];
+        k += four ? 4 : 1;
     }
 }
 
-/* inverse (x + by of its patch), in place */
-static void OF(scatter)(const TwoGrids *g, const double *restrict by, double *restrict x)
+/* inverse (x + by of its patch) of some nodes, in place or not */
+CLONES static void OF(scatter)(const TwoGrids *g, const double *x, long at, long n, double *out)
 {
-    const REAL *restrict inverse = g->inverse;
-    for (long k = 0; k < g->nodes; k++) x[k] = inverse[k] * (x[k] + by[g->patch[k]]);
+    const REAL *restrict inverse = (const REAL *)g->inverse + at;
+    const int *restrict patch = g->patch + at;
+    const double *restrict by = g->sums;
+    for (long k = 0; k < n; k++) out[k] = inverse[k] * (x[k] + by[patch[k]]);
 }
 
 CLONES static void OF(multiplied)(const REAL *restrict a, const REAL *restrict x, REAL *restrict out, long n)
@@ -129,14 +134,13 @@ static int OF(solved)(TwoGrids *g)
     return 0;
 }
 
-/* What two grids make of a field, in place. */
-static int OF(on_two_grids)(TwoGrids *g, double *x)
+/* Sums over patches to what stands for each of them: what its nodes have besides x. */
+static int OF(on_patches)(TwoGrids *g)
 {
     const long n = g->points;
     REAL *rows = g->rows, *on_circle = g->transform->real;
     double *sums = g->sums;
     int status;
-    OF(gather)(g, x);
     for (long k = 0; k < n; k++) {
         double *here = sums + 2 * k;
         const double mean = here[0] / g->number[k], moved = mean - here[1] / (g->number[k] * g->mean[k]);
@@ -148,6 +152,5 @@ static int OF(on_two_grids)(TwoGrids *g, double *x)
     for (long k = 0; k < n; k++) rows[k] = ((const REAL *)g->there)[k] * (rows[k] - on_circle[k]);
     if ((status = OF(solved)(g))) return status;
     for (long k = 0; k < n; k++) sums[k] = sums[2 * k] + rows[k] / g->mean[k];
-    OF(scatter)(g, sums, x);
     return 0;
 }

@@ -66,7 +66,7 @@ class OnTwoGrids:
     """
 
     def __init__(self, grid, plan, patch, number, area, left, within):
-        own = self._structure = structures.TwoGrids(area=area, left=left, compliant=within,
+        own = self.structure = structures.TwoGrids(area=area, left=left, compliant=within,
                                                     nodes=len(patch), points=plan.real.size)
         self._counter, self._room = grid.counter, Room.of(plan.real.size, plan.real.dtype)
         self._kept = {}
@@ -80,16 +80,21 @@ class OnTwoGrids:
         `structures.TwoGrids`."""
         for name, array in arrays.items():
             self._kept[name] = np.ascontiguousarray(array)
-            setattr(self._structure, name, address(self._kept[name]))
+            setattr(self.structure, name, address(self._kept[name]))
 
     def weigh(self, tangent):
         """Take the weights q = 1 / (1 + c D) of nodes, of a tangent D; their sums over patches."""
         tangent = np.ascontiguousarray(tangent)
         shared().weigh_nodes(self._reference, address(tangent))
-        return self._room.sums[:self._structure.points].copy()
+        return self._room.sums[:self.structure.points].copy()
+
+    @property
+    def matrix(self):
+        """The Hessenberg matrix of what was solved on patches last."""
+        count = self.structure.count
+        return self._room.matrix[:count, :count].T
 
     def __call__(self, field):
         """Replace a field (nodes); the Hessenberg matrix of what was solved on patches."""
-        call(shared().on_two_grids, self._counter, self._reference, address(field))
-        count = self._structure.count
-        return self._room.matrix[:count, :count].T
+        call(shared().on_two_grids, self._counter, self._reference, *2 * [address(field)])
+        return self.matrix

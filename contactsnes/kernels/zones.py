@@ -150,6 +150,18 @@ class CompiledZone:
         if self._errors:
             raise self._errors.pop()
 
+    def take(self, grids=()):
+        """Take two grids in place of cores from the next set-up on.
+
+        Parameters
+        ----------
+        grids : OnTwoGrids or None of each component; of none: cores
+        """
+        self._grids = grids
+        for i in range(self.form.components):
+            grid = grids[i] if grids else None
+            self.structure.grids[i] = grid and ctypes.pointer(grid.structure)
+
     def set_up(self, single=False):
         """Make the zones from the form's tangent, perhaps in single precision."""
         self.kernel.set_precision(single)

@@ -71,6 +71,15 @@ def is_ours(pc):
                                        and getattr(pc.getPythonContext(), "is_ours", False))
 
 
+def in_library(pc):
+    """(Callbacks of a form whose zone a preconditioner is, what is to be called when that was
+    applied, or None), None of none."""
+    if pc.getType() == "shell":
+        return pc.getAttr("callbacks"), None
+    context = pc.getPythonContext() if pc.getType() == "python" else None
+    return getattr(context, "callbacks", None), getattr(context, "tell", None)
+
+
 class GMRES:
     """PETSc's KSP context: GMRES, preconditioned from the right, with classical Gram-Schmidt;
     flexible (Saad, SIAM J. Sci. Comput. 14, 461, 1993), which keeps what the preconditioner made of
@@ -183,7 +192,7 @@ class GMRES:
             return self._kept[1]
         self.release()
         parts = (np.float32, self._products) if kind else (float, InDouble)
-        # (the library's own iterations round nothing that the zone makes)
+        # (iterations in the library round nothing that the zone makes)
         made = kind if kind and not key[1] else Basis
         bases = ((kind or Basis)(*parts, self._grid, count),
                  None if key[2] else made(*parts, self._grid, count))
@@ -230,10 +239,11 @@ class GMRES:
         bases : (Basis, Basis or None)
         """
         operator, pc = ksp.getOperators()[0], ksp.getPC()
-        own = operator.getAttr("callbacks") if bases[0].single and is_ours(pc) else None
-        if not (own and own is pc.getAttr("callbacks") and compiled.steps_alone(own.structure)):
+        own = operator.getAttr("callbacks") if bases[0].single else None
+        zone, applied = in_library(pc)
+        if not (own and own is zone and compiled.steps_alone(own.structure)):
             return Iterations(operator, pc, begin, vectors, *bases)
         arrays = [vector.getArray() for vector in vectors]
         given = arrays[0] if begin is vectors[0] else begin.getArray(readonly=True)
         return compiled.Iterations(own.structure, self._grid.counter, given, arrays, *bases,
-                                   CANCELLED, LEFT)
+                                   CANCELLED, LEFT, applied)

@@ -48,6 +48,7 @@ class Patches(InPatches):
     Attributes
     ----------
     between : float, compliance of the shortest waves that patches tell apart
+    library : OnTwoGrids, what does this in the library; None: NumPy does
     softest : smallest real part of the Ritz values of the systems of patches that were solved with
         the last tangent, nan of none
     """
@@ -65,8 +66,8 @@ class Patches(InPatches):
         nodes = (patch_nodes(self._patch, plan.real.size) if compiled
                  else self._sums(None).astype(float))
         self._number, self._there = np.maximum(nodes, 1.0), nodes > 0.0
-        self._library = compiled and OnTwoGrids(form.grid, plan, self._patch, self._number,
-                                                self._area, LEFT, WITHIN * self.between)
+        self.library = OnTwoGrids(form.grid, plan, self._patch, self._number, self._area, LEFT,
+                                  WITHIN * self.between) if compiled else None
 
     def _find(self, window, weight, scale):
         """Take all nodes; their extents."""
@@ -83,7 +84,7 @@ class Patches(InPatches):
         ------
         Unsuited : where no patch is stiff
         """
-        weigh = self._library.weigh if self._library else self._weigh
+        weigh = self.library.weigh if self.library else self._weigh
         inverse = weigh(tangent)
         mean = np.where(self._there, inverse / self._number, 1.0)
         # (c D q = 1 - q)
@@ -94,7 +95,7 @@ class Patches(InPatches):
                "compliance": compliance, "symbol": symbol}
         own = {name: array.astype(self._plan.real.dtype, copy=False)
                for name, array in own.items()}
-        (self._library.take if self._library else self._take)(mean=mean, within=within, **own)
+        (self.library.take if self.library else self._take)(mean=mean, within=within, **own)
         self.softest = np.nan
 
     def _sums(self, values):
@@ -132,7 +133,7 @@ class Patches(InPatches):
         inverse = plan.inverted(compliance, [mean])
         exact = inverse.astype(float)
         symbols = ((1.0 / (plan.gain * exact) - 1.0) / (mean * plan.gain), 1.0 / plan.gain - exact)
-        return core, *(map(plan.fitting, symbols) if self._library else symbols)
+        return core, *(map(plan.fitting, symbols) if self.library else symbols)
 
     def _filtered(self, symbol, values):
         """A symbol times values on patches, in memory of the transform."""
@@ -190,6 +191,9 @@ class Patches(InPatches):
         field : array (nodes)
         single : as of `CoreBlock.apply`; this has a precision of its own
         """
-        matrix = (self._library or self._on_two_grids)(field)
+        self.tell((self.library or self._on_two_grids)(field))
+
+    def tell(self, matrix):
+        """Take the Hessenberg matrix of what was solved on patches."""
         if len(matrix) >= TELLING and np.isfinite(matrix).all():
             self.softest = np.fmin(self.softest, np.linalg.eigvals(matrix).real.min())

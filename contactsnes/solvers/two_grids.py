@@ -45,13 +45,13 @@ def suits(form):
             and form.window.total >= LARGE)
 
 
-class TwoGrids(CoreZone):
-    """Preconditioner of the displacement form with a system of patches for each component, the
-    scalars eliminated as in `CoreZone`.
+def on_patches(form, component, options, single, known):
+    """Patches of a component with the form's tangent, or None where nothing is stiff.
 
     Parameters
     ----------
     form : DisplacementForm, linearised, that `suits`
+    component : int
     options : CoreOptions
     single : bool, whether transforms are in single precision
     known : dict, the `Patches` of components, which are kept there
@@ -60,38 +60,89 @@ class TwoGrids(CoreZone):
     ------
     Unsuited : where patches tell too little of the law, or none is stiff
     """
+    grid, tangent = form.grid, form.tangent[component, component]
+    largest = grid.maximum(tangent)
+    if largest <= 1e-6:
+        return None
+    core = tangent > options.threshold * largest
+    count, total = grid.together([core.sum(), np.sum(tangent, where=core)])
+    if component not in known:
+        known[component] = Patches(form, component, options.pad, single)
+    block = known[component]
+    if not block.between * total <= SOFT * count or block.between * grid.minimum(tangent) < -PULLS:
+        raise Unsuited
+    block.take(tangent)
+    return block
+
+
+class TwoGrids(CoreZone):
+    """Preconditioner of the displacement form with a system of patches for each component, the
+    scalars eliminated as in `CoreZone`; parameters and errors as of `on_patches`.
+
+    Attributes
+    ----------
+    softest : smallest real part of the Ritz values of what was solved on patches, nan of none
+    """
 
     def __init__(self, form, options, single, known):
         self._known = known
         super().__init__(form, options, single=single)
 
     def _block(self, component, options, single):
-        """Patches of a component, or None where nothing is stiff.
+        """Patches of a component.
 
         Parameters
         ----------
-        component, options, single : as of `CoreZone`
+        component, options, single : as of `on_patches`
         """
-        form, grid, tangent = self.form, self.form.grid, self.form.tangent[component, component]
-        largest = grid.maximum(tangent)
-        if largest <= 1e-6:
-            return None
-        core = tangent > options.threshold * largest
-        count, total = grid.together([core.sum(), np.sum(tangent, where=core)])
-        if component not in self._known:
-            self._known[component] = Patches(form, component, options.pad, single)
-        block = self._known[component]
-        if (not block.between * total <= SOFT * count
-            or block.between * grid.minimum(tangent) < -PULLS):
-            raise Unsuited
-        block.take(tangent)
-        return block
+        return on_patches(self.form, component, options, single, self._known)
 
     @property
     def softest(self):
-        """Smallest real part of the Ritz values of what was solved on patches, nan of none."""
-        found = [block.softest for block in self.blocks if block is not None]
-        return float(np.fmin.reduce(found, initial=np.nan))
+        """See above."""
+        return softest_of(self.blocks)
+
+
+class CompiledTwoGrids:
+    """The same in the library, whose zone of the form has them in place of cores until it is told
+    otherwise.
+
+    Parameters
+    ----------
+    zone : CompiledZone of the form
+    options, single, known : as of `on_patches`
+
+    Attributes
+    ----------
+    softest : as of `TwoGrids`
+    """
+
+    def __init__(self, zone, options, single, known):
+        form = zone.form
+        self._blocks = [on_patches(form, i, options, single, known) for i in range(form.components)]
+        zone.take([block and block.library for block in self._blocks])
+
+    def tell(self):
+        """Take what was solved on patches last."""
+        for block in self._blocks:
+            if block:
+                block.tell(block.library.matrix)
+
+    @property
+    def softest(self):
+        """See above."""
+        return softest_of(self._blocks)
+
+
+def softest_of(blocks):
+    """Smallest real part of the Ritz values of what was solved on patches, nan of none.
+
+    Parameters
+    ----------
+    blocks : list of Patches or None
+    """
+    found = [block.softest for block in blocks if block is not None]
+    return float(np.fmin.reduce(found, initial=np.nan))
 
 
 class SpotsPC:
@@ -111,12 +162,14 @@ class SpotsPC:
 
     Attributes
     ----------
+    callbacks : Callbacks of the form in the library, whose zone does either; None: NumPy does
     softest : smallest real part of the Ritz values of what the last linear solve has solved on
         patches, nan of none
     """
 
-    def __init__(self, form, core, options, single):
+    def __init__(self, form, core, options, single, callbacks=None):
         self.form, self.core, self._options, self._single = form, core, options, single
+        self.callbacks = callbacks
         self._grids, self._trusted, self._known = None, True, {}
 
     def begin(self):
@@ -137,13 +190,35 @@ class SpotsPC:
         """Make the grids from the tangent that the operator holds."""
         self._grids = None
         self.core.setOperators(*pc.getOperators())
+        if self.callbacks:
+            self.callbacks.zone.take()
         if self._trusted:
             try:
-                self._grids = TwoGrids(self.form, self._options, self._single, self._known)
+                self._grids = self._made()
             except Unsuited:
                 pass
-        if self.is_ours:
+        if self.callbacks or self.is_ours:
             self.core.setUp()
+        self.tell()
+
+    def _made(self):
+        """Two grids of the form's tangent."""
+        rest = self._options, self._single, self._known
+        return (CompiledTwoGrids(self.callbacks.zone, *rest) if self.callbacks
+                else TwoGrids(self.form, *rest))
+
+    def tell(self):
+        """Have the zone take over where what was solved on patches last tells of an unstable
+        mode."""
+        if self.is_ours:
+            return
+        if self.callbacks:
+            self._grids.tell()
+        self._trusted = not self._grids.softest < 0.0
+        if self.callbacks and not self._trusted:
+            zone = self.callbacks.zone
+            zone.take()
+            zone.set_up(bool(zone.kernel.structure.single))
 
     def apply(self, pc, x, y):
         """y = M^-1 x.
@@ -153,11 +228,11 @@ class SpotsPC:
         pc : petsc4py PC
         x, y : petsc4py Vec; y is filled
         """
-        if self.is_ours:
+        if self.callbacks or self.is_ours:
             self.core.apply(x, y)
-            return
-        self._grids.apply(x.getArray(readonly=True), y.getArray())
-        self._trusted = not self._grids.softest < 0.0
+        else:
+            self._grids.apply(x.getArray(readonly=True), y.getArray())
+        self.tell()
 
     def view(self, pc, viewer):
         """What -snes_view prints."""
@@ -183,13 +258,14 @@ def offer(snes, form, single):
     flexible = of_ksp(ksp) or ksp.getType() in FLEXIBLE
     if not (flexible and suits(form) and is_ours(pc)):
         return None
-    core = PETSc.PC().create(communicator(form))
+    core, own = PETSc.PC().create(communicator(form)), None
     if pc.getType() == "shell":
-        callbacks.set_shell(core, callbacks.of(pc))
+        own = callbacks.of(pc)
+        callbacks.set_shell(core, own)
     else:
         core.setType("python")
         core.setPythonContext(pc.getPythonContext())
     pc.setType("python")
-    own = SpotsPC(form, core, read(CoreOptions, pc.getOptionsPrefix() or ""), single)
-    pc.setPythonContext(own)
-    return own
+    spots = SpotsPC(form, core, read(CoreOptions, pc.getOptionsPrefix() or ""), single, own)
+    pc.setPythonContext(spots)
+    return spots

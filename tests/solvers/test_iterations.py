@@ -14,26 +14,32 @@ from contactsnes.kernels import krylov as compiled  # noqa: E402
 from contactsnes.kernels import library  # noqa: E402
 from contactsnes.scene.load import Load  # noqa: E402
 from contactsnes.scene.settings import Form, Scene  # noqa: E402
-from contactsnes.solvers import krylov  # noqa: E402
+from contactsnes.solvers import krylov, patch_systems, two_grids  # noqa: E402
 
 pytestmark = pytest.mark.skipif(library.reason() is not None, reason="no compiled kernels")
 SPHERE = {"points": 96, "period": 12.0, "normal_maugis": 2.0, "dimension": 2,
           "geometry": "sphere"}
+ROUGH = {"points": 64, "period": 8.0, "normal_maugis": 3.0, "geometry": "rough", "rough_on": "flat",
+         "rough_slope": 1.0, "rough_longest": 8.0, "rough_shortest": 1.0}
 LEGS = {"normal": ("normal_displacement=1.2", {}), "force": ("normal_force=3", {}),
         "sheared": ("tangential_displacement_x=0.7", {"tangential_maugis": 1.0, "poisson": 0.3}),
-        "layer": ("normal_displacement=1.2", {"height": 3.0, "poisson": 0.2})}
+        "layer": ("normal_displacement=1.2", {"height": 3.0, "poisson": 0.2}),
+        "two grids": ("normal_displacement=1.2", ROUGH)}
+HELD = {"held": ("normal_force=-20", {**ROUGH, "normal_maugis": 2.0, "rough_slope": 0.5})}
 
 
 @pytest.fixture(autouse=True)
 def large(monkeypatch):
-    """Whatever the size, vectors are ours, and rounded where little is asked for."""
+    """Whatever the size, vectors are ours, rounded where little is asked for, and of planes with
+    many spots on two grids."""
+    monkeypatch.setattr(two_grids, "LARGE", 1)
     monkeypatch.setattr(krylov, "LARGE", 1)
     monkeypatch.setattr(krylov, "WIDE", 1)
 
 
 def solver(leg, symmetry="off", window="auto", **more):
     """(branch, form, KSP, linearised at the end of the path) of a sphere."""
-    path, scene = LEGS[leg]
+    path, scene = {**LEGS, **HELD}[leg]
     branch = Branch(Scene(**{**SPHERE, **scene, **more}), Load("normal_displacement=1", path),
                     form=Form(linear_precision="single", symmetry=symmetry, window=window))
     list(branch)
@@ -78,6 +84,31 @@ def test_they_are_those_of_vectors_in_double(monkeypatch, leg, symmetry, toleran
     left = np.linalg.norm(right - form.apply_jacobian(found, np.empty_like(found)))
     assert left <= 1.001 * max(tolerance * size, norms[-1]) + 3e-5 * size * (tolerance > 1e-4)
     assert abs(left - norms[-1]) <= (3e-5 if tolerance > 1e-4 else 1e-6) * size
+
+
+@pytest.mark.parametrize("alone", [True, False], ids=["library", "petsc"])
+@pytest.mark.parametrize("leg", ["two grids", *HELD])
+def test_the_zone_takes_over_within_a_solve(monkeypatch, leg, alone):
+    """Where patches tell of an unstable mode; what was made of vectors before is kept."""
+    branch, form, ksp = solver(leg)
+    spots = ksp.getPC().getPythonContext()
+    told = []
+
+    def tell(own, matrix):
+        told.append(len(matrix))
+        own.softest = -1.0 if len(told) == 4 else 1.0
+
+    monkeypatch.setattr(patch_systems.Patches, "tell", tell)
+    if not alone:
+        monkeypatch.setattr(compiled, "steps_alone", lambda system: False)
+    right = form.residual(np.zeros(form.size), np.empty(form.size))
+    ksp.getOperators()[0].assemble()
+    spots.begin()
+    found, norms = solved(form, ksp, right, 1e-4)
+    assert len(told) == 4 < len(norms) - 1 and spots.is_ours
+    assert not any(spots.callbacks.zone.structure.grids)
+    left = np.linalg.norm(right - form.apply_jacobian(found, np.empty_like(found)))
+    assert left <= 1.5e-4 * np.linalg.norm(right)
 
 
 @pytest.mark.parametrize("sizes", [{1: np.inf}, None])
