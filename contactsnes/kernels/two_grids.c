@@ -16,9 +16,10 @@ void patch_nodes(long nodes, const int *patch, long points, double *number)
     for (long k = 0; k < nodes; k++) number[patch[k]] += 1.0;
 }
 
-/* Weights of nodes by a tangent, and their sums over patches. */
+/* Weights of nodes by a tangent, and their sums over patches: nothing is solved with it yet. */
 void weigh_nodes(TwoGrids *g, const double *tangent)
 {
+    g->count = 0;
     if (g->transform->single) weigh_in_single(g, tangent);
     else weigh_in_double(g, tangent);
 }
