@@ -184,8 +184,11 @@ def area_below(box, level, grid):
     """
     whole, _, patches = cut_patches(box, level)
     patches = grid.evened(patches)
-    coarse, fine = (sum(_triangles_below(refined(patches[some], parts))
-                        for some in pieces(len(patches))) / parts ** 2 for parts in (4, 8))
+    coarse = fine = 0.0
+    for some in pieces(len(patches)):
+        values = refined(patches[some], 8)
+        coarse += _triangles_below(values[:, ::2, ::2]) / 4 ** 2
+        fine += _triangles_below(values) / 8 ** 2
     return grid.together(whole + (4.0 * fine - coarse) / 3.0)
 
 
@@ -193,9 +196,8 @@ def cut_patches(box, level):
     """Squares of a box of nodes without its outermost ring: how many lie below a level; of those
     that it cuts the first corners (x, y), counted within the ring, and values less the level on
     4 x 4 nodes around each."""
-    below = _corners(box[1:-1, 1:-1] < level)
-    every = np.logical_and.reduce(below)
-    cut = np.nonzero(np.logical_or.reduce(below) & ~every)
+    below = box[1:-1, 1:-1] < level
+    every, cut = _combined(np.logical_and, around(below)), np.nonzero(mixed(below))
     if not every.size:  # (of slabs, others may have all of the box)
         return 0, cut, np.empty((0, 4, 4))
     patches = np.lib.stride_tricks.sliding_window_view(box, (4, 4))[cut]
@@ -209,13 +211,19 @@ def pieces(count):
 
 
 def refined(patches, parts):
-    """Values at the corners of parts^2 squares within the middle one of patches (..., 4, 4),
-    bicubic."""
-    weights = _cubic(parts)
-    return weights @ patches @ weights.T
+    """Values at the corners of parts^2 squares within the middle one of patches (n, 4, 4), bicubic,
+    array (n, parts + 1, parts + 1)."""
+    values = patches.reshape(-1, 16) @ _bicubic(parts)
+    return values.reshape(-1, parts + 1, parts + 1)
 
 
 @lru_cache(maxsize=8)
+def _bicubic(parts):
+    """Weights of 4 x 4 nodes at those corners, (nodes, corners)."""
+    weights = _cubic(parts)
+    return np.ascontiguousarray(np.kron(weights, weights).T)
+
+
 def _cubic(parts):
     """Weights of four nodes at the ends of equal parts of the middle one of the steps between
     them."""
@@ -224,26 +232,44 @@ def _cubic(parts):
                       for k, node in enumerate(nodes)] for place in places])
 
 
-def _corners(values):
+def around(values):
     """Values at the corners of the squares between nodes (last two axes), in their order around
     them."""
     return values[..., :-1, :-1], values[..., 1:, :-1], values[..., 1:, 1:], values[..., :-1, 1:]
 
 
+def mixed(below):
+    """Whether a mask at nodes (last two axes) holds at some corner of the squares between them, and
+    not at all."""
+    corners = around(below)
+    return _combined(np.logical_or, corners) & ~_combined(np.logical_and, corners)
+
+
+def _combined(function, arrays):
+    """A function of two arrays, of all of several."""
+    first, second, *others = arrays
+    found = function(first, second)
+    for array in others:
+        function(found, array, out=found)
+    return found
+
+
 def _triangles_below(values):
     """Area where values are negative, by the triangles of either diagonal, in squares between nodes
     (last two axes)."""
-    corners = _corners(values)
-    lowest, highest = np.minimum.reduce(corners), np.maximum.reduce(corners)
-    a, b, c, d = (corner[(lowest < 0.0) & (highest >= 0.0)] for corner in corners)
+    below = values < 0.0
+    cut, corners = mixed(below), around(values)
+    a, b, c, d = (corner[cut] for corner in corners)
     triangles = ((a, b, c), (a, c, d), (b, c, d), (b, d, a))
-    return np.count_nonzero(highest < 0.0) + 0.25 * sum(_part_below(triangle).sum()
-                                                        for triangle in triangles)
+    return (np.count_nonzero(_combined(np.logical_and, around(below)))
+            + 0.25 * sum(_part_below(*triangle).sum() for triangle in triangles))
 
 
-def _part_below(corners):
-    """Part of each triangle where the plane through three corner values is negative."""
-    low, middle, high = np.sort(np.stack(corners), axis=0)
+def _part_below(a, b, c):
+    """Part of each triangle where the plane through values at three corners is negative."""
+    least, most = np.minimum(a, b), np.maximum(a, b)
+    low, high = np.minimum(least, c), np.maximum(most, c)
+    middle = np.maximum(least, np.minimum(most, c))
     with np.errstate(divide="ignore", invalid="ignore"):
         one = low ** 2 / ((middle - low) * (high - low))
         two = 1.0 - high ** 2 / ((high - low) * (high - middle))

@@ -6,7 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .contours import crossings, cut_patches, intervals, pieces, refined
+from .contours import around, crossings, cut_patches, intervals, mixed, pieces, refined
+
+PARTS = 8
+"""Of a square of the grid in each direction, within which its edge is straight."""
 
 
 class Outline(NamedTuple):
@@ -128,30 +131,27 @@ def _pieces_within(patches, corners):
     patches : array (squares, 4, 4), values less the level around each
     corners : array (squares, 2), the first of each
     """
-    values = refined(patches, 8)
-    count = values.shape[-1]
-    fine = np.stack(np.meshgrid(*[np.arange(count) / (count - 1)] * 2, indexing="ij"), axis=-1)
-    places = corners[:, None, None, :] + fine
-    a, b, c, d = ((values[s], places[(*s, slice(None))]) for s in (
-        np.s_[:, :-1, :-1], np.s_[:, 1:, :-1], np.s_[:, 1:, 1:], np.s_[:, :-1, 1:]))
+    values = refined(patches, PARTS)
+    # most parts of a square have no edge within them
+    cut = np.nonzero(mixed(values < 0.0))
+    first = corners[cut[0]] + np.stack(cut[1:], axis=-1) / PARTS
+    a, b, c, d = ((corner[cut], first + np.array(away) / PARTS) for corner, away in zip(
+        around(values), ((0, 0), (1, 0), (1, 1), (0, 1))))
     return [_crossed(*zip(*triangle)) for triangle in ((a, b, c), (a, c, d))]
 
 
 def _crossed(values, places):
     """Where planes through three corners, counter-clockwise, vanish: (pieces, 2, 2), negative
     values on their left."""
-    negative = np.stack([value < 0.0 for value in values], axis=-1)
-    count = negative.sum(axis=-1)
-    cut = (count == 1) | (count == 2)
-    negative, count = negative[cut], count[cut]
-    values = np.stack([value[cut] for value in values], axis=-1)
-    places = np.stack([place[cut] for place in places], axis=-2)
-    alone = np.argmax(negative == (count == 1)[:, None], axis=-1)
-    rows, ends = np.arange(len(alone)), []
-    for step in (1, 2):
-        other = (alone + step) % 3
-        part = values[rows, alone] / (values[rows, alone] - values[rows, other])
-        ends.append(places[rows, alone] + part[:, None] * (places[rows, other]
-                                                           - places[rows, alone]))
-    one, two = np.stack(ends, axis=1), np.stack(ends[::-1], axis=1)
-    return np.where((count == 1)[:, None, None], one, two)
+    values = np.stack(values)
+    negative = values < 0.0
+    count = negative.sum(axis=0)
+    cut = np.flatnonzero((count == 1) | (count == 2))
+    lone = count[cut] == 1
+    alone = np.argmax(negative[:, cut] == lone, axis=0)
+    turned = (alone + np.arange(3)[:, None]) % 3
+    values = values[turned, cut]
+    places = np.stack(places)[turned, cut]
+    part = values[0] / (values[0] - values[1:])
+    ends = places[0] + part[..., None] * (places[1:] - places[0])
+    return np.where(lone[:, None], ends, ends[::-1]).swapaxes(0, 1)
