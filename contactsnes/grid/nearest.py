@@ -1,5 +1,7 @@
 """Fields of a window at the nodes of another one: the same nodes, or the nearest ones."""
 
+import weakref
+
 import numpy as np
 import scipy
 
@@ -16,18 +18,53 @@ def nearest(field, source, window):
     field : array (components, nodes of the source)
     source, window : Window, Spots or Nodes
     """
+    if window.grid.shared:
+        return _among_processes(field, source, window)
+    if len(source.parts) == len(window.parts) == 1 and not (source.picked or window.picked):
+        return _in_box(field, source, window)
+    if source.size == 0:
+        return np.zeros((len(field), window.size), dtype=field.dtype)
+    return field.take(_numbers(source, window), axis=-1)
+
+
+_known = weakref.WeakKeyDictionary()
+
+
+def _numbers(source, window):
+    """For each node of a window the number of the same one, or the nearest, among those of another:
+    found once for as long as there are both, since steps go back and forth between few."""
+    found = _known.setdefault(source, weakref.WeakKeyDictionary())
+    if window not in found:
+        found[window] = _find_numbers(source, window)
+    return found[window]
+
+
+def _find_numbers(source, window):
+    """What `_numbers` keeps, array (nodes of the window) of int32."""
+    if source.picked and window.picked:
+        return _numbers_among(source, window)
+    numbers = np.arange(source.size, dtype=np.int32)[None]
+    if source.picked:
+        numbers, source = source.filled(numbers), source.hull
+    hull = window.hull if window.picked else window
+    found = np.concatenate([_in_box(numbers, source, part)[0] for part in hull.parts])
+    return found[window.places] if window.picked else found
+
+
+def _among_processes(field, source, window):
+    """`nearest` where processes share out the nodes.
+
+    Parameters
+    ----------
+    field, source, window : as of `nearest`
+    """
     if isinstance(window, Nodes):
         if isinstance(source, SlabNodes):
             return nearest_known(field, source, window)
-        if isinstance(source, Nodes):
-            return field.take(_numbers_among(source, window), axis=-1)
-        return nearest(field, source, window.hull).take(window.places, axis=-1)
+        return _among_processes(field, source, window.hull).take(window.places, axis=-1)
     if isinstance(source, Nodes):
         field, source = source.filled(field), source.hull
-    if window.grid.shared:
-        return _in_rows(field, source, window)
-    boxes = [_in_box(field, source, part) for part in window.parts]
-    return boxes[0] if len(boxes) == 1 else np.concatenate(boxes, axis=1)
+    return _in_rows(field, source, window)
 
 
 def _in_rows(field, source, box):
@@ -51,10 +88,11 @@ def _numbers_among(source, window):
     found = places[window.numbers]
     missing = np.flatnonzero(found < 0)
     if missing.size:
-        shape = source.grid.shape
-        tree = scipy.spatial.cKDTree(np.transpose(source.indices), boxsize=shape)
-        found[missing] = tree.query(np.transpose(np.unravel_index(window.numbers[missing],
-                                                                  shape)))[1]
+        # (the nearest one has a neighbour that is none of them)
+        shape, rim = source.grid.shape, np.flatnonzero(source.rim())
+        tree = scipy.spatial.cKDTree(np.transpose(source.indices)[rim], boxsize=shape)
+        found[missing] = rim[tree.query(np.transpose(np.unravel_index(window.numbers[missing],
+                                                                      shape)))[1]]
     return found
 
 
