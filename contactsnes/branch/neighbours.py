@@ -11,6 +11,8 @@ class Neighbours:
     """States of a contact compared and combined, for a class with ``contact`` and ``symmetry``; no
     method solves."""
 
+    leeway = acceptance.STRAYS
+
     def adapted(self, point, controls, load):
         """The point as one of a leg: with as many components as there are controls, under its
         controls and load.

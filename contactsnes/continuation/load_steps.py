@@ -48,6 +48,9 @@ def predict(system, history, leg, position, predictor):
 class LoadSteps:
     """Steps along one leg, from the points of it that are known.
 
+    What nodes may stray from a prediction and what of that a step used (``_used``, about 0 to 1) is
+    of the best prediction that was asked.
+
     Parameters
     ----------
     system : System
@@ -70,7 +73,7 @@ class LoadSteps:
                                                leg.load(place))) for place, point in history]
         self.predictor, self.at_fold = predictor, at_fold
         self.certify, self.at_bifurcation = certify, at_bifurcation
-        self.stopped = False
+        self.stopped, self._used = False, 0.0
 
     def _place(self, position):
         """Loads at a position, in words."""
@@ -118,9 +121,12 @@ class LoadSteps:
     def _strayed(self, guess, target, point):
         """Whether some node ended where no prediction has it, however the solve began: part of the
         contact has jumped."""
-        (here, last), doubted = self.history[-1], None
+        (here, last), doubted, used = self.history[-1], None, []
         for foretold in self._foretold(guess, target):
-            if self.system.strayed(foretold, last.state, point.state) <= 0.0:
+            beyond = self.system.strayed(foretold, last.state, point.state)
+            used.append(1.0 + beyond / self.system.leeway)
+            self._used = max(min(used), 0.0)
+            if beyond <= 0.0:
                 if not self.system.doubtful(foretold, last.state, point.state):
                     return False
                 doubted = foretold if doubted is None else doubted

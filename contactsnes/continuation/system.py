@@ -60,6 +60,10 @@ class States(Protocol):
         state : the state that was found
         """
 
+    @property
+    def leeway(self) -> float:
+        """How far any part of a state may be from its prediction, however short the step is."""
+
     def doubtful(self, guess: Any, last: Any, state: Any) -> bool:
         """Whether a jump may be a part of the way from ``last`` to a state that was foretold.
 

@@ -184,6 +184,8 @@ class System:
     def ways(self, guess, last, state):
         return self.missed(guess, state), self.missed(last, state)
 
+    leeway = 0.35
+
     def strayed(self, guess, last, state):
         return float(np.max(np.abs(guess - state) - 0.35 - 0.15 * np.minimum(np.abs(state - last),
                                                                              10.0)))
