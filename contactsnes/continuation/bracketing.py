@@ -1,5 +1,6 @@
 """Natural continuation whose folds are bracketed by steps, not located: where jumps are many."""
 
+import math
 from dataclasses import replace
 
 from . import branching
@@ -9,6 +10,10 @@ from .points import NoEquilibrium, NoFold, NotConverged, NoWayBack
 from .predictors import PREDICTORS
 from .predictors.edge import SPOTS
 from .turning import BRACKET, TurnSearch, starts
+
+USED = 0.6
+"""Part of what nodes may stray from their prediction that steps are to use: those that use less
+grow, and those that use more get shorter. With more of it they are refused too often (measured)."""
 
 
 class BracketingSteps(NaturalSteps):
@@ -43,6 +48,12 @@ class BracketingSteps(NaturalSteps):
         if point.stable < 0 and point.softest < 0.0 and not self.history[-1][1].softest < 0.0:
             raise NotConverged("a mode lost its stability in the step")
         return self._examined(self._probed(point))
+
+    def _next(self, step, point):
+        """As of `NaturalSteps`, and by the part that the step used of the room that nodes have:
+        they stray with its square, about."""
+        longest = step * math.sqrt(USED / self._used) if self._used > 0.0 else math.inf
+        return min(super()._next(step, point), longest)
 
     def _due(self, refused, failures):
         """Whether a refused step is to be taken for a fold."""

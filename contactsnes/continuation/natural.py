@@ -1,6 +1,5 @@
 """Natural continuation: steps of the load along a leg, with rollback, folds and jumps."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -14,9 +13,6 @@ from .predictors import after_failure
 SAME = 1e-6
 """Part of a leg within which a fold that is found anew is the one that an earlier run ended at."""
 
-USED = 0.6
-"""Part of what nodes may stray from their prediction that steps are to use: less than that lets
-them grow, more shortens them. Longer ones are refused too often (measured on rough planes)."""
 USUAL = 8
 """Newton iterations with which a step stays as long as it is."""
 
@@ -89,17 +85,15 @@ class NaturalSteps(LoadSteps):
             # However many iterations every solve takes, steps must not shrink without end.
             step, failures = point.position - position, 0
             shortest = min(step, self.leg.initial)
-            step = max(shortest, min(grown(step, point.spent["last_iterations"], self.leg.largest),
-                                     step * self._growth()))
+            step = max(shortest, self._next(step, point))
             yield from self._arrive(point.changed(step=step), critical)
             if self.stopped:
                 return
             step = self.history[-1][1].step
 
-    def _growth(self):
-        """By how much the next step may be longer than the last one, by what this used of the
-        room that nodes have: they stray with its square, about."""
-        return math.sqrt(USED / self._used) if self._used > 0.0 else np.inf
+    def _next(self, step, point):
+        """Length of the step after one of a length that led to a point."""
+        return grown(step, point.spent["last_iterations"], self.leg.largest)
 
     def _tried(self, target, predictor):
         """The point of a step to a place, or nearer, and what bifurcates on the way."""

@@ -298,3 +298,18 @@ def test_folds_are_located_where_that_is_asked_for_or_the_default(asked, resolve
 def events_at(points, name):
     """Number of the first point with an event."""
     return next(number for number, point in enumerate(points) if point.event == name)
+
+
+@pytest.mark.parametrize("aside, grows", [(0.1, True), (0.35, True), (0.5, False)])
+def test_steps_use_a_part_of_the_room_that_nodes_have(aside, grows):
+    """Those that lead near to what would be refused get shorter, by the square root of what they
+    use of 0.35 and 0.15 of the way."""
+    system = Landing([2.0 + aside])
+    given = system, UNIT_LEG, system.points([0.0], [1.0]), PREDICTORS["secant"], "jump"
+    steps = BracketingSteps(*given)
+    point = steps._step(0.2, PREDICTORS["secant"]).changed(spent={"last_iterations": 2})
+    used = 1.0 + (aside - 0.35 - 0.15 * (1.0 + aside)) / 0.35
+    least = min(1.0 + 0.75 ** 2, np.sqrt(0.6 / used) if used > 0.0 else np.inf)
+    assert steps._next(0.01, point) == pytest.approx(0.01 * least)
+    assert (least > 1.0) == grows
+    assert NaturalSteps(*given)._next(0.01, point) == pytest.approx(0.01 * (1.0 + 0.75 ** 2))
