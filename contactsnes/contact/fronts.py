@@ -6,6 +6,7 @@ import numpy as np
 
 from ..grid.transfer import extent
 from ..kernels import points
+from .state import below
 
 FAR = 0.3
 """Cohesive lengths of the friction (`in_cohesive_lengths`) by which a slip front has to move in a
@@ -31,21 +32,23 @@ def edges(contact, state):
     """
     if len(state.window.parts) > 1:
         return None
-    level, gap, ends = contact.scene.contact_threshold, _normal_gap(contact, state), []
+    level, ends = contact.scene.contact_threshold, []
     if len(state.window.shape) == 1:
-        places, signs = _crossed(contact, state, gap, level)
+        places, signs = _crossed(contact, state, _normal_gap(contact, state), level)
         return places[None] if list(signs) == [-1, 1] else None
-    nodes, box = state.nodes.parts[0], state.nodes.box(gap)
-    touching = box < level
-    lines = [extent(nodes.occupied(touching, axis), 0) for axis in range(box.ndim)]
+    nodes, gap = state.nodes.parts[0], contact.gap_on(state.nodes)
+    touching = state.nodes.box(below(state.once[0], gap, level))
+    lines = [extent(nodes.occupied(touching, axis), 0) for axis in range(touching.ndim)]
     if state.half is not None:
         lines = [slice(n // 2 + 1 - line.stop, n // 2 + line.stop)
                  for line, n in zip(lines, state.window.extents)]
     if lines[0].start >= lines[0].stop or any(line.start == 0 for line in lines):
         return None
     through = [(line.start + line.stop) // 2 if state.half is None else 0 for line in lines]
+    boxes = state.nodes.box(state.once[0]), state.nodes.box(gap)
     for axis, line in enumerate(lines):
-        places, _ = _crossed(contact, state, nodes.line(box, axis, through), level, axis)
+        along = np.add(*(nodes.line(box, axis, through) for box in boxes))
+        places, _ = _crossed(contact, state, along, level, axis)
         # The extent of all that touches is that on the line, give or take the roundness of a spot.
         if len(places) != 2 or places[0] > line.start + 2 or places[1] < line.stop - 3:
             return None

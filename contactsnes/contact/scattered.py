@@ -2,7 +2,7 @@
 such."""
 
 from ..grid.active import WORTH, Nodes, within
-from .states import State, normal_gap
+from .state import State, below
 
 SPARSE = 0.6
 """Part of the nodes of a window on which the law acts, below which a smaller one is taken."""
@@ -35,7 +35,8 @@ def on_nodes(contact, state, afresh=False):
     """
     some = isinstance(state.window, Nodes)
     if not afresh and (some or state.window.is_whole):
-        acting = contact.grid.count(normal_gap(contact, state) < contact.law.range)
+        acting = contact.grid.count(below(state.normal, contact.gap_on(state.window),
+                                          contact.law.range))
         # more than WORTH of the cell, and no window but the cell holds them
         if acting > (SPARSE * state.window.total if some else WORTH * state.window.total):
             return state

@@ -7,6 +7,9 @@ import numpy as np
 
 from ..grid.nearest import nearest
 
+PART = 2 ** 14
+"""Nodes that are looked at at a time."""
+
 
 @dataclass(frozen=True, eq=False)
 class State:
@@ -86,6 +89,22 @@ class Mirrored(State):
         """Normal displacement (nodes)."""
         return (self.displacement if "displacement" in vars(self)
                 else self.half.unfold(self.once[:1]))[0]
+
+
+def below(displacement, initial_gap, level):
+    """Mask (nodes,) of the nodes whose normal gap is below a level: part by part, which stay in the
+    processor's cache.
+
+    Parameters
+    ----------
+    displacement, initial_gap : arrays (nodes,), normal displacements and initial gaps, delta_n
+    level : float
+    """
+    mask = np.empty(len(initial_gap), dtype=bool)
+    for first in range(0, len(mask), PART):
+        part = slice(first, first + PART)
+        np.less(displacement[part] + initial_gap[part], level, out=mask[part])
+    return mask
 
 
 def once_or_all(contact, state):

@@ -8,7 +8,7 @@ from contactsnes import Branch, Load
 from contactsnes.contact import edges as following
 from contactsnes.contact import fronts, nearing, states
 from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact
-from contactsnes.contact.state import Mirrored, everywhere
+from contactsnes.contact.state import PART, Mirrored, below, everywhere
 from contactsnes.continuation.points import lagrange_weights
 from contactsnes.grid.active import some
 from contactsnes.grid.even import EvenWindow, halved
@@ -49,6 +49,13 @@ def parabola(contact, window, half, centre=0.0, opening=30.0):
     x = window.coordinates()[0] - centre
     return with_gap(contact, window, contact.scene.contact_threshold
                     + opening * ((x / half) ** 2 - 1.0))
+
+
+@pytest.mark.parametrize("nodes", [0, 1, 2 * PART + 3])
+def test_nodes_below_a_level(nodes):
+    """Of none, of few, and of more than are looked at together."""
+    displacement, gap = np.random.default_rng(nodes).normal(size=(2, nodes))
+    assert np.array_equal(below(displacement, gap, 0.3), displacement + gap < 0.3)
 
 
 # States on several windows
