@@ -26,7 +26,7 @@ WINDOWS = {"cell": GRID.whole, "box": GRID.box((20, 2), (9, 8)),
 
 
 def distances(source, window):
-    """Squares of distances in nodes, around the cell, (nodes of the window, those of the source)."""
+    """Squares of distances in nodes, around the cell, of nodes of the window from the source's."""
     total = np.array(GRID.shape)
     here, there = (np.transpose(np.unravel_index(each.node_numbers(), GRID.shape))
                    for each in (window, source))
