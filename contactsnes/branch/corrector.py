@@ -222,7 +222,8 @@ class Corrector:
         unknown, state : what was found
         system, snes : the form and the SNES that found it, if not ``form`` and its own
         """
-        snes, found = self.snes if snes is None else snes, self._imbalance(form, state)
+        snes = self.snes if snes is None else snes
+        found = self._imbalance(form, state, snes)
         tolerance, own = snes.getTolerances()[1], snes.getFunctionNorm()
         if own <= tolerance < found.norm <= 2.0 * tolerance:
             # The two differ by rounding: a little more accuracy is kept than was asked for.
@@ -233,7 +234,7 @@ class Corrector:
                 if system is not None:
                     system.set_position(system.position(unknown))
                 state = form.state(unknown[:form.size])
-                found = self._imbalance(form, state)
+                found = self._imbalance(form, state, snes)
             except NotConverged:
                 pass
             finally:
@@ -244,17 +245,17 @@ class Corrector:
             found = None
         return unknown, state, found
 
-    def _imbalance(self, form, state):
-        """The Imbalance of a solution at all nodes of its window, or of those within the law's
-        range where that is the cell.
+    def _imbalance(self, form, state, snes):
+        """The Imbalance of what a SNES found at all nodes of its window, or of those within the
+        law's range where that is the cell.
 
         States that only lead to others, on coarser grids or at a given approach, have that of their
         solver.
         """
         if ((self.leads or APPROACH in form.controls)
-            and form.in_displacements and of_snes(self.snes).has_tangent):
-            return Imbalance(self.contact.grid.norm(self.snes.getFunction()[0].getArray(
-                readonly=True)), np.nan)
+            and form.in_displacements and of_snes(snes).has_tangent):
+            left = snes.getFunction()[0].getArray(readonly=True)[:form.size]
+            return Imbalance(self.contact.grid.norm(left), np.nan)
         if form.whole_cell:
             window = states.fitted(self.contact, state).window
             state = states.State(window, states.onto(state, window), state.means)
@@ -267,7 +268,7 @@ class Corrector:
     def covers(self, form, state):
         """Whether every node outside the window of a state that a form led to is certainly out of
         the law's range: the residual of some nodes tells of the whole cell."""
-        closest = (self._imbalance(form, state).closest if isinstance(state.window, Nodes)
+        closest = (self._imbalance(form, state, self.snes).closest if isinstance(state.window, Nodes)
                    else None)
         return states.covers(self.contact, state, closest)
 
