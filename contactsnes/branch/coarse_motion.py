@@ -23,6 +23,10 @@ BESIDE = 12
 """Iterations of Newton's method from a coarser grid's state, next to which there may be none on the
 finer one."""
 
+ENOUGH = 1e-6
+"""Residual norm on a coarser grid, where states only lead to those of the finer one, which begins a
+hundred times farther from its own."""
+
 
 def reached(system, start, controls, load, where):
     """The first point, where motion from a start leads.
@@ -35,7 +39,7 @@ def reached(system, start, controls, load, where):
     where : str, what messages say of the place
     """
     plane = len(system.contact.grid.shape) == 2
-    coarse = resolving(system, len(controls) > 1) if plane else None
+    coarse = resolving(system, len(controls) > 1, ENOUGH) if plane else None
     if coarse is not None:
         system.log(f"motion on {coarse.contact.grid.size} nodes leads to the first point on "
                    f"{system.contact.grid.size}, which Newton's method corrects")
@@ -121,7 +125,7 @@ def coarsely(system, controls, origin, motion):
     level = Departure(contact, coarse.contact, origin)
     system.release()
     try:
-        return motion(coarser(system, level.contact, None), level)
+        return motion(coarser(system, level.contact, ENOUGH), level)
     except NoWayBack:
         raise
     except (NotConverged, NoEquilibrium) as error:

@@ -34,7 +34,7 @@ def coarser(system, contact, tolerance):
     return coarse
 
 
-def resolving(system, sheared):
+def resolving(system, sheared, tolerance=None):
     """A corrector on every other node of a system's grid, where those still resolve gap and
     cohesive zone; None where they do not, or where no other grid serves.
 
@@ -42,6 +42,7 @@ def resolving(system, sheared):
     ----------
     system : Corrector
     sheared : bool, whether there are tangential components
+    tolerance : as of `coarser`
     """
     contact = system.contact
     if contact.isolated or any(n % 4 or n < 2 * SHORTEST for n in contact.grid.shape):
@@ -50,7 +51,7 @@ def resolving(system, sheared):
     if (not np.array_equal(level.ranges, contact.ranges) or _missed(contact) > SMOOTH
         or max(resolution(level.scene, sheared)) > 1.0):
         return None
-    return coarser(system, level, None)
+    return coarser(system, level, tolerance)
 
 
 def _missed(contact):

@@ -268,8 +268,8 @@ class Corrector:
     def covers(self, form, state):
         """Whether every node outside the window of a state that a form led to is certainly out of
         the law's range: the residual of some nodes tells of the whole cell."""
-        closest = (self._imbalance(form, state, self.snes).closest if isinstance(state.window, Nodes)
-                   else None)
+        some = isinstance(state.window, Nodes)
+        closest = self._imbalance(form, state, self.snes).closest if some else None
         return states.covers(self.contact, state, closest)
 
     def _point(self, form, state, imbalance, iterations):

@@ -22,6 +22,9 @@ SHORTEST = 0.5
 """Part of a bracket below which steps on the way back through it are not halved."""
 CLOSE = 0.1
 """The same of steps towards a fold in it."""
+BEGUN = 0.2
+"""How far along the branch's tangent motion out of a bracket begins at most, ranges where the law
+acts: next to a fold that is its mode, along which a body hardly moves at first."""
 NARROWER = 2
 """How many narrower brackets in each other are tried where the state beyond one does not lead back
 to before it."""
@@ -74,7 +77,13 @@ def _crossing(system, last, load, beyond, where):
             raise NoWayBack(f"the branch ends within a refused step ({error})") from None
         behind = found.behind and _lower(system, before, with_works(fine(found.behind, BESIDE),
                                                                     found.behind))
-        return found._replace(before=before, behind=behind, ahead=level.prolonged(found.ahead))
+        ahead = level.prolonged(found.ahead)
+        if behind is not None:
+            # Both are as far from the finer grid's own states.
+            ahead = states.combined(system.contact, [ahead, behind.state,
+                                                     level.prolonged(found.behind.state)],
+                                    [1.0, 1.0, -1.0])
+        return found._replace(before=before, behind=behind, ahead=ahead)
 
     return (coarsely(system, controls, last.state, motion)
             or _crossed(system, last, load, beyond, where, NARROWER))
@@ -82,7 +91,8 @@ def _crossing(system, last, load, beyond, where):
 
 def _crossed(system, last, load, beyond, where, narrower):
     """The same on the system's own grid, with as many narrower brackets within each other."""
-    ahead = jumps.settle(system, last.state, last.controls, beyond, where, last.state)
+    ahead = jumps.settle(system, _begun(system, last, beyond), last.controls, beyond, where,
+                         last.state)
 
     def told(begin, before):
         at = load + begin * (beyond - load)
@@ -108,6 +118,22 @@ def _crossed(system, last, load, beyond, where, narrower):
     return found._replace(begin=begin + width * found.begin, end=begin + width * found.end)
 
 
+def _begun(system, last, beyond):
+    """The state beside a point from which motion under the load ``beyond`` begins."""
+    contact, leg = system.contact, _leg(last, beyond)
+    ahead = system.along_tangent(last, leg, 0.0, 1.0)
+    far = max(states.missed(contact, last.state, ahead),
+              states.missed(contact, last.state, ahead, largest=True) / 3.0)
+    part = BEGUN / max(far, BEGUN)
+    return states.combined(contact, [ahead, last.state], [part, 1.0 - part])
+
+
+def _leg(point, load):
+    """The leg from a point to a load."""
+    moving = int(np.argmax(np.abs(load - point.load)))
+    return Leg(0, point.controls, point.load, load, moving, 1.0, 1.0, 1.0)
+
+
 def _along(system, last, ahead):
     """What the branch between a point and one beyond it tells of their bracket: a `Crossing`; None
     where it tells nothing, or of more than one fold."""
@@ -127,8 +153,7 @@ def _along(system, last, ahead):
 
 def _way(system, first, last):
     """The leg from one point to another, and the `way` between both."""
-    moving = int(np.argmax(np.abs(last.load - first.load)))
-    leg = Leg(0, first.controls, first.load, last.load, moving, 1.0, 1.0, 1.0)
+    leg = _leg(first, last.load)
     return leg, *way(system, leg, replace(first, position=0.0), replace(last, position=1.0))
 
 

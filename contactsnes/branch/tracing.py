@@ -28,6 +28,8 @@ PART = 2 ** 14
 """Nodes that are moved at a time."""
 EXACT = 1e-8
 """Relative tolerance of the linear solve for a direction, on which the place of a fold depends."""
+LED = 1e-3
+"""The same of states that only lead to those of a finer grid: its sign tells of them."""
 MUCH = 0.2
 """Residual of a direction, over the direction itself, that is too much, however small it is beside
 the right side."""
@@ -121,7 +123,7 @@ class Tracer(Corrector, Neighbours, Ends):
         form, arc, snes, unknown = self._on_chord(chord, 0.0, point.state, point.position, leg)
         arc.linearise(unknown)
         change = self._linear(snes, arc, lambda right: np.copyto(
-            right, arc.joined(np.zeros(form.size), 1.0)), EXACT)
+            right, arc.joined(np.zeros(form.size), 1.0)), LED if self.leads else EXACT)
         own, rate = arc.inner(change), float(arc.position(change))
         field = form.displacement(own)
         grid = self.contact.grid

@@ -11,7 +11,8 @@ class Control(NamedTuple):
     error : their error, over -jump_motion_tolerance
     turning : part of a step by which it may miss its prediction: next to an unstable state a long
         implicit step would lead back to it
-    still : length of a step, ranges, below which it does not matter how it was predicted
+    still : length of a step, ranges, below which it does not matter how it was predicted; that of
+        the first one, if that is more than half of -jump_motion_tolerance
     exactness : relative tolerance of the linear solves, unless -jump_ksp_rtol gives one
     """
 
@@ -23,8 +24,11 @@ class Control(NamedTuple):
 
 PATIENCE = 3
 """Stalled steps in turn that may be chance."""
-FOLLOWED, ROUGHLY = Control(1.0, 0.25, 1e-4, 1e-4), Control(4.0, 0.5, 1e-2, 0.1)
+FOLLOWED, ROUGHLY = Control(1.0, 0.25, 1e-4, 1e-4), Control(2.0, 0.4, 2e-2, 0.1)
 """Of motions whose works are summed up, and of `rough` ones."""
+CAREFULLY, MANY = Control(1.0, 0.25, 1e-2, 1e-3), 100
+"""Of `rough` ones from so many steps on: what their linear solves and long steps leave may keep a
+motion up for ever."""
 
 
 class Exactness:

@@ -18,7 +18,7 @@ from ..contact import places, scattered, states
 from ..continuation.points import lagrange_weights
 from ..grid.cell import Convolution
 from ..options.fields import Options, option
-from .control import Exactness, control
+from .control import CAREFULLY, MANY, ROUGHLY, Exactness, control
 from .viscous import Equations, backward_formula
 
 RESTING = 1e-6
@@ -114,6 +114,7 @@ class OverdampedMotion:
         even = self.symmetry.plain(len(self.controls))
         self.equations = equations = Equations(self.contact, state.window, even, self.controls,
                                                self.load, self._precision)
+        equations.allow(self._control)
         unknown = equations.pack(state.displacement, state.means)
         gap, traction = equations.gap(unknown), equations.traction(unknown)
         elastic = traction if elastic is None else equations.folded(elastic)
@@ -121,7 +122,7 @@ class OverdampedMotion:
         self.history, self.rate = [Moment(time, unknown, elastic, gap,
                                           traction)], equations.rate(unknown)
         self._near = equations.near(gap)
-        self._next = min(1.0, 0.5 * self.options.tolerance
+        self._next = min(1.0, max(0.5 * self.options.tolerance, self._control.still)
                          / max(equations.size(self.rate, self._near), RESTING))
 
     def state(self):
@@ -185,6 +186,9 @@ class OverdampedMotion:
     def _tried(self, step):
         """Error of a step over the tolerance (inf where it failed), and the moment to which it
         leads."""
+        if self.steps >= MANY and self._control is ROUGHLY:
+            self._control = CAREFULLY
+            self.equations.allow(CAREFULLY)
         equations, history, allowed = self.equations, self.history, self._control
         tolerance = allowed.error * self.options.tolerance
         now = history[-1]

@@ -82,10 +82,18 @@ class Equations:
         self._right, self._step, self._guess = (create_vector(self.form) for _ in range(3))
         options = read(NewtonOptions, "jump_")
         self._regularised = RegularisedStep(self.form, options.stiffness) if options.gap else None
-        self._exactness = PETSc.Options("jump_").getReal("ksp_rtol",
-                                                         control(contact, count).exactness)
+        self.allow(control(contact, count))
         self._iterations = 0
         self._rim = np.flatnonzero(self.folded(window.rim()))
+
+    def allow(self, missing):
+        """Have linear solves leave what a `Control` says, unless an option does.
+
+        Parameters
+        ----------
+        missing : Control
+        """
+        self._exactness = PETSc.Options("jump_").getReal("ksp_rtol", missing.exactness)
 
     def spent(self):
         """What the solves on this window cost: name -> count."""

@@ -19,7 +19,7 @@ from contactsnes.branch.departure import Departure  # noqa: E402
 from contactsnes.contact import states  # noqa: E402
 from contactsnes.contact.energies import stored  # noqa: E402
 from contactsnes.contact.problem import DISPLACEMENT, FORCE  # noqa: E402
-from contactsnes.continuation.points import Leg, NoWayBack  # noqa: E402
+from contactsnes.continuation.points import Leg, NotConverged, NoWayBack  # noqa: E402
 from contactsnes.dynamics import jumps  # noqa: E402
 from contactsnes.scene.settings import Form, Steps  # noqa: E402
 from contactsnes.solvers.patience import FURTHEST, Patience, first_forcing  # noqa: E402
@@ -165,6 +165,20 @@ def test_solves_beside_a_state_and_along_the_arc_are_in_single_precision(heights
         double, single = system.contact.grid.counter.numbers[[0, 2]] - before
         assert single > double and found[-1].residual_norm <= 1e-8
     assert states.missed(system.contact, *(each.state for each in found), largest=True) < 0.01
+
+
+def test_a_chord_is_judged_by_its_own_residual(heights, tmp_path):
+    """On a grid that leads to a finer one, whatever the last solve at a load left."""
+    branch = branch_of(heights(64), tmp_path / "heights.npy")
+    system, point = branch.corrector, next(iter(branch))
+    system.leads = True
+    leg = Leg(1, point.controls, point.load, point.load + 1.0, 0, 0.1, 0.1, 1e-6)
+    ahead = system.along_tangent(point, leg, 0.0, 0.01)
+    chord = point.state, ahead
+    with pytest.raises(NotConverged):
+        system.solve(point.state, point.controls, leg.load(0.5), 1)
+    found = system.solve_arc(chord, system.chord_length(*chord), ahead, 0.01, leg)
+    assert found.residual_norm <= 1e-8 < system.snes.getFunctionNorm()
 
 
 def test_jumps_end_where_motion_of_everything_does(pressed, folds):
