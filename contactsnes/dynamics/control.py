@@ -25,7 +25,9 @@ class Control(NamedTuple):
 PATIENCE = 3
 """Stalled steps in turn that may be chance."""
 FOLLOWED, ROUGHLY = Control(1.0, 0.25, 1e-4, 1e-4), Control(2.0, 0.4, 2e-2, 0.1)
-"""Of motions whose works are summed up, and of `rough` ones."""
+"""Of motions whose works are summed up, and of `rough` ones that begin beside an equilibrium."""
+FREELY = Control(4.0, 0.5, 2e-2, 0.15)
+"""Of `rough` ones from elsewhere, which no unstable state is near."""
 CAREFULLY, MANY = Control(1.0, 0.25, 1e-2, 1e-3), 100
 """Of `rough` ones from so many steps on: what their linear solves and long steps leave may keep a
 motion up for ever."""
@@ -63,6 +65,14 @@ def rough(contact, components):
     return components == 1 and len(contact.grid.shape) == 2 and not contact.convex
 
 
-def control(contact, components):
-    """The `Control` of a motion; parameters as of `rough`."""
-    return ROUGHLY if rough(contact, components) else FOLLOWED
+def control(contact, components, beside):
+    """The `Control` of a motion.
+
+    Parameters
+    ----------
+    contact, components : as of `rough`
+    beside : bool, whether it begins beside an equilibrium
+    """
+    if not rough(contact, components):
+        return FOLLOWED
+    return ROUGHLY if beside else FREELY

@@ -18,7 +18,7 @@ from ..contact import places, scattered, states
 from ..continuation.points import lagrange_weights
 from ..grid.cell import Convolution
 from ..options.fields import Options, option
-from .control import CAREFULLY, MANY, ROUGHLY, Exactness, control
+from .control import CAREFULLY, FREELY, MANY, ROUGHLY, Exactness, control
 from .viscous import Equations, backward_formula
 
 RESTING = 1e-6
@@ -106,7 +106,7 @@ class OverdampedMotion:
         self.measured = True
         self.works = np.zeros((2, len(controls)))
         self.fastest = 0.0
-        self._control = control(contact, len(controls))
+        self._control = control(contact, len(controls), elastic is not None)
         self._begin(0.0, state, elastic)
 
     def _begin(self, time, state, elastic=None):
@@ -186,7 +186,7 @@ class OverdampedMotion:
     def _tried(self, step):
         """Error of a step over the tolerance (inf where it failed), and the moment to which it
         leads."""
-        if self.steps >= MANY and self._control is ROUGHLY:
+        if self.steps >= MANY and self._control in (ROUGHLY, FREELY):
             self._control = CAREFULLY
             self.equations.allow(CAREFULLY)
         equations, history, allowed = self.equations, self.history, self._control

@@ -30,7 +30,7 @@ from ..solvers.leaving import slides, slides_away
 from ..solvers.linear import create_ksp
 from ..solvers.regularised import NewtonOptions, RegularisedStep
 from ..solvers.vectors import create_vector
-from .control import control
+from .control import FOLLOWED
 
 
 class Near(NamedTuple):
@@ -82,7 +82,7 @@ class Equations:
         self._right, self._step, self._guess = (create_vector(self.form) for _ in range(3))
         options = read(NewtonOptions, "jump_")
         self._regularised = RegularisedStep(self.form, options.stiffness) if options.gap else None
-        self.allow(control(contact, count))
+        self.allow(FOLLOWED)
         self._iterations = 0
         self._rim = np.flatnonzero(self.folded(window.rim()))
 
