@@ -77,7 +77,11 @@ def on_patches(form, component, options, single, known):
 
 class TwoGrids(CoreZone):
     """Preconditioner of the displacement form with a system of patches for each component, the
-    scalars eliminated as in `CoreZone`; parameters and errors as of `on_patches`.
+    scalars eliminated as in `CoreZone`.
+
+    Parameters
+    ----------
+    form, options, single, known : as of `on_patches`, which raises what this does
 
     Attributes
     ----------
@@ -159,10 +163,10 @@ class SpotsPC:
     core : petsc4py PC, the form's own zone
     options : CoreOptions
     single : bool, whether transforms are in single precision
+    callbacks : Callbacks of the form in the library, whose zone does either; None: NumPy does
 
     Attributes
     ----------
-    callbacks : Callbacks of the form in the library, whose zone does either; None: NumPy does
     softest : smallest real part of the Ritz values of what the last linear solve has solved on
         patches, nan of none
     """

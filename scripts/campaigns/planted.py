@@ -78,8 +78,8 @@ def _trust():
     from contactsnes.branch.corrector import Corrector
     from contactsnes.contact.balance import Imbalance
 
-    def believed(self, form, state):
-        norm = min(self.snes.getFunctionNorm(), 1e-8)
+    def believed(self, form, state, snes):
+        norm = min(snes.getFunctionNorm(), 1e-8)
         return Imbalance(norm, norm)
 
     Corrector._imbalance = believed

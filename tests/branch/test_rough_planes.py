@@ -19,7 +19,12 @@ from contactsnes.branch.departure import Departure  # noqa: E402
 from contactsnes.contact import states  # noqa: E402
 from contactsnes.contact.energies import stored  # noqa: E402
 from contactsnes.contact.problem import DISPLACEMENT, FORCE  # noqa: E402
-from contactsnes.continuation.points import Leg, NotConverged, NoWayBack  # noqa: E402
+from contactsnes.continuation.points import (  # noqa: E402
+    Leg,
+    NoEquilibrium,
+    NotConverged,
+    NoWayBack,
+)
 from contactsnes.dynamics import jumps  # noqa: E402
 from contactsnes.scene.settings import Form, Steps  # noqa: E402
 from contactsnes.solvers.patience import FURTHEST, Patience, first_forcing  # noqa: E402
@@ -307,3 +312,25 @@ def test_motions_spread_to_spots_far_apart():
     assert several > 1 == one
     for name in ("normal_displacement", "contact_area"):
         assert boxes[name] == pytest.approx(everywhere[name], rel=1e-7)
+
+
+@pytest.mark.parametrize("force", [-5.85, -5.9])
+def test_a_force_that_begins_where_it_does_not_hold_the_body_leads_away_from_there(force):
+    """Pulled beyond the largest attraction by the displacement, and then by a force: what that
+    lets go of jumps onto the stable branch, or off, and is not followed along the unstable one."""
+    sphere = Scene(dimension=2, points=32, period=8.0, normal_maugis=1.0, geometry="sphere",
+                   height=np.inf)
+    branch = Branch(sphere, Load("normal_displacement=0", f"normal_force={force}"),
+                    Steps(initial_step=0.2, largest_step=0.5, locate_folds=False),
+                    Form(symmetry="off"))
+    points = []
+    try:
+        points.extend(branch)
+    except NoEquilibrium:
+        assert force < points[0].forces[0]
+    else:
+        first, fold, jump = points[:3]
+        assert (fold.event, jump.event) == ("fold", "jump")
+        assert jump.displacements[0] > first.displacements[0] + 0.01
+        assert points[-1].forces[0] == force
+    assert all(point.stable != 0 for point in points)
