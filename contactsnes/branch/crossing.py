@@ -9,7 +9,6 @@ import numpy as np
 from ..contact import places, states
 from ..contact.acceptance import strayed
 from ..contact.energies import far_displacements, stored, weights
-from ..contact.problem import FORCE
 from ..continuation.points import Crossing, Leg, NotConverged, NoWayBack
 from ..continuation.turning import sides, way
 from ..dynamics import jumps
@@ -120,17 +119,14 @@ def _crossed(system, last, load, beyond, where, narrower):
 
 
 def _begun(system, last, beyond):
-    """The state beside a point from which motion under the load ``beyond`` begins; the point's own
-    where a force leads the surface against itself, as at the begin of a leg: what is unstable under
-    it does not move along its tangent."""
+    """The state beside a point from which motion under the load ``beyond`` begins: half of the way
+    that the tangent leads there, at most. What lies at its end is an equilibrium, an unstable one
+    if the point is, as under a force that has just taken over."""
     contact, leg = system.contact, _leg(last, beyond)
     ahead = system.along_tangent(last, leg, 0.0, 1.0)
-    moved = contact.signs(len(leg.controls)) * (ahead.means - last.state.means)
-    if leg.controls[leg.moving] == FORCE and moved[leg.moving] * leg.direction[leg.moving] < 0.0:
-        return last.state
     far = max(states.missed(contact, last.state, ahead),
               states.missed(contact, last.state, ahead, largest=True) / 3.0)
-    part = BEGUN / max(far, BEGUN)
+    part = BEGUN / max(far, 2.0 * BEGUN)
     return states.combined(contact, [ahead, last.state], [part, 1.0 - part])
 
 
