@@ -287,18 +287,6 @@ CLONES static void smooth_line(const Zone *z, const double *restrict tangent, do
     *last = high - 1 > *last && low < high ? high - 1 : *last;
 }
 
-CLONES static double largest(const double *restrict x, long n)
-{
-    double most[2 * ALONG], found = x[0];
-    long k = 0;
-    for (int l = 0; l < 2 * ALONG; l++) most[l] = x[0];
-    for (; k + 2 * ALONG <= n; k += 2 * ALONG)
-        for (int l = 0; l < 2 * ALONG; l++) most[l] = x[k + l] > most[l] ? x[k + l] : most[l];
-    for (int l = 0; l < 2 * ALONG; l++) found = most[l] > found ? most[l] : found;
-    for (; k < n; k++) found = x[k] > found ? x[k] : found;
-    return found;
-}
-
 /* The core among picked nodes, whose weights in their box are in z->mask. */
 static void keep_picked(Zone *z, Block *b, const double *tangent)
 {
@@ -358,7 +346,7 @@ static int find_core(Zone *z, long i)
 {
     const Form *f = z->form;
     const double *tangent = f->tangent + (i * f->components + i) * f->nodes;
-    const double most = largest(tangent, f->nodes), level = z->threshold * (most < 1.0 ? most : 1.0);
+    const double most = largest_of(tangent[0], tangent, f->nodes), level = z->threshold * (most < 1.0 ? most : 1.0);
     const int even = (int)f->response->transform->even;
     Block *b = &z->block[i];
     b->on = most > 1e-6;

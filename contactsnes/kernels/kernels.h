@@ -272,6 +272,7 @@ void evaluate(const Law *law, long components, long nodes, const double *gap, do
 void add_times(double *x, const double *s, const double *y, long n, int is_complex, double sign);
 void along_columns(const Columns *c, int there, int back, const Response *r, int transposed);
 int choose(System *s, int begins);
+double largest_of(double known, const double *x, long n);
 void widen(const float *x, double *out, long n);
 void narrow(const double *x, float *out, long n);
 int product_in_single(Form *f, const float *vector, float *out);

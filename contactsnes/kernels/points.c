@@ -15,7 +15,7 @@ static double greater(double a, double b)
 
 /* The largest of some numbers, unless one is known that is larger: of many side by side, which is what
    compilers make vectors of. */
-CLONES static double largest_of(double known, const double *restrict x, long n)
+CLONES double largest_of(double known, const double *restrict x, long n)
 {
     double most[WIDE];
     for (long l = 0; l < WIDE; l++) most[l] = known;
