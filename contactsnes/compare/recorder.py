@@ -5,7 +5,7 @@ import time
 import numpy as np
 
 from ..branch.corrector import Corrector
-from ..solvers.snes import displacement_test
+from ..solvers.snes import measured_apart
 
 
 class History:
@@ -30,20 +30,21 @@ class History:
         return np.array(rows or np.empty((0, 3)), dtype=float)
 
     def watch(self, snes):
-        """Record a SNES by a monitor and, where the test of the force form finds a norm that PETSc
-        has not, by that."""
+        """Record a SNES by a monitor and, where its test finds a norm that PETSc has not, by
+        that."""
         snes.setMonitor(lambda snes, iteration, norm: self._add(snes, norm))
-        test = snes.getConvergenceTest()
-        if test is None or test[0] is not displacement_test:
+        form, test = snes.appctx, snes.getConvergenceTest()
+        if test is None or not measured_apart(snes, form):
             return
+        tests, arguments = test[:2]
 
-        def recording(snes, iteration, norms, form):
-            reason = displacement_test(snes, iteration, norms, form)
+        def recording(snes, iteration, norms):
+            reason = tests(snes, iteration, norms, *arguments)
             self._tested.add(snes.handle)
             self._add(snes, form.last_norm, True)
             return reason
 
-        snes.setConvergenceTest(recording, test[1])
+        snes.setConvergenceTest(recording)
 
     def _add(self, snes, norm, tested=False):
         row = (self.counter.weighed - self._before, time.perf_counter() - self._began, norm)

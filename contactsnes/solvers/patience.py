@@ -5,7 +5,7 @@ from petsc4py import PETSc
 
 from .capabilities import of_snes
 from .ritz import many
-from .snes import NOT_A_NUMBER
+from .snes import NOT_A_NUMBER, measured, measured_apart
 
 FIRST, LATER = 0.7, 0.5
 """Part of the first residual norm below which the next one has to be, and all later ones. Warm
@@ -54,9 +54,11 @@ class Patience:
             return
         given = PETSc.Options(snes.getOptionsPrefix() or "").hasName("snes_ksp_ew_rtol0")
         forcing = snes.getParamsEW() if snes.getUseEW() and not given else {}
-        snes.setConvergenceTest(self.test, (forcing if forcing.get("version") == 2 else None,))
+        form = snes.appctx
+        snes.setConvergenceTest(self.test, (form if measured_apart(snes, form) else None,
+                                            forcing if forcing.get("version") == 2 else None))
 
-    def test(self, snes, iteration, norms, forcing=None):
+    def test(self, snes, iteration, norms, form=None, forcing=None):
         """The reason to stop, or to go on.
 
         Parameters
@@ -64,9 +66,11 @@ class Patience:
         snes : SNES
         iteration : int
         norms : (of the unknown, of the step, of the residual)
+        form : of the equations, where PETSc's own vector F has another norm than ``residual_norm``
         forcing : parameters of Eisenstat and Walker whose first one is ours to choose, or None
         """
         reasons, (size, step, norm) = PETSc.SNES.ConvergedReason, norms
+        norm = norm if form is None else measured(snes, form)
         rtol, atol, stol, _ = snes.getTolerances()
         if not norm < float("inf"):
             return NOT_A_NUMBER

@@ -216,11 +216,30 @@ def _destroy_all():
     collect()
 
 
+def _preconditioned(snes):
+    """Whether PETSc's vector F is what a nonlinear preconditioner on the left leads to: a step."""
+    return snes.hasNPC() and snes.getNPCSide() == PETSc.PC.Side.LEFT
+
+
+def measured_apart(snes, form):
+    """Whether the norm of PETSc's own vector F is not ``residual_norm``: in the force form F is an
+    imbalance of forces, with a nonlinear preconditioner on the left a step."""
+    return not form.in_displacements or _preconditioned(snes)
+
+
+def measured(snes, form):
+    """``residual_norm`` where a SNES stands whose own vector F has another; the form keeps it as
+    ``last_norm``."""
+    unknown = snes.getSolution().getArray(readonly=True)
+    imbalance = (form.residual(unknown, np.empty(form.size)) if _preconditioned(snes)
+                 else snes.getFunction()[0].getArray(readonly=True))
+    form.last_norm = (form.grid.norm(imbalance) if form.in_displacements
+                      else form.displacement_norm(unknown, imbalance))
+    return form.last_norm
+
+
 def displacement_test(snes, iteration, norms, form):
     """The convergence test by ``residual_norm``, where the norm of PETSc's own vector F is another.
-
-    In the force form F is an imbalance of forces; with a nonlinear preconditioner on the left it is
-    a step.
 
     Parameters
     ----------
@@ -229,15 +248,9 @@ def displacement_test(snes, iteration, norms, form):
     form : of the equations
     """
     rtol, atol, stol, most = snes.getTolerances()
-    unknown = snes.getSolution().getArray(readonly=True)
-    imbalance = snes.getFunction()[0].getArray(readonly=True)
-    if snes.hasNPC() and snes.getNPCSide() == PETSc.PC.Side.LEFT:
-        imbalance = form.residual(unknown, np.empty(form.size))
-    norm = (form.grid.norm(imbalance) if form.in_displacements
-            else form.displacement_norm(unknown, imbalance))
+    norm = measured(snes, form)
     if not np.isfinite(norm):
         return NOT_A_NUMBER
-    form.last_norm = norm
     if iteration == 0:
         form.first_norm = norm
     if norm <= atol:

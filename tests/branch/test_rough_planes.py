@@ -288,6 +288,19 @@ def test_patience_ends_where_a_residual_does_not_fall(norms, reason):
     snes.destroy()
 
 
+def test_the_force_form_ends_by_displacements_where_residuals_are_watched():
+    """A solve that ended by the norm of its forces would be refused as a point, and each step be
+    made shorter, again and again."""
+    scene = Scene(dimension=2, geometry="rough", rough_on="flat", rough_slope=2.0, rough_hurst=0.8,
+                  rough_longest=6.0, rough_shortest=1.5, points=32, period=12.0, normal_maugis=2.0)
+    load = Load(start="normal_displacement=0.5", path="normal_displacement=0.8")
+    steps = Steps(initial_step=0.1, largest_step=0.1)
+    found = [[(*point.displacements, *point.forces)
+              for point in Branch(scene, load, steps, Form(form=form))]
+             for form in ("displacement", "force")]
+    assert len(found[0]) == 4 and np.allclose(*found, rtol=1e-6)
+
+
 @pytest.mark.parametrize("part", np.geomspace(1e-10, 0.5, 40))
 def test_a_first_linear_system_is_solved_as_far_as_two_iterations_need(part):
     first = first_forcing(part, rtol_0=0.1, gamma=0.5, alpha=1.6, version=2)

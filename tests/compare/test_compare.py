@@ -34,6 +34,9 @@ OPTIONS = ROOT / "options"
 SCRIPT = ROOT / "scripts" / "compare"
 SMALL = {"points": 256, "period": 24.0, "normal_maugis": 2.0, "height": 250.0,
          "residual_friction": 0.5}
+ROUGH = {"dimension": 2, "points": 32, "period": 12.0, "normal_maugis": 1.0, "geometry": "rough",
+         "rough_on": "flat", "rough_hurst": 0.8, "rough_longest": 6.0, "rough_shortest": 1.5,
+         "rough_slope": 1.0}
 PATH = "normal_displacement=1; normal_displacement=hold, tangential_displacement=12"
 STEPS = {"initial_step": (0.5, 6.0), "largest_step": (0.5, 6.0)}
 
@@ -164,9 +167,10 @@ def test_histories_are_those_of_solves(plain):
             assert result.residual_norm * 0.99 <= norms[-1] <= 1e-8
 
 
-def test_force_form_records_the_norm_of_its_own_test():
+@pytest.mark.parametrize("scene", [SMALL, ROUGH])
+def test_force_form_records_the_norm_of_its_own_test(scene):
     """PETSc's norm of the force form is another number than the imbalance of displacements."""
-    comparison, _ = compared(FORCE, path="normal_displacement=hold")
+    comparison, _ = compared(FORCE, path="normal_displacement=hold", scene=scene)
     result = comparison.results[FORCE.name][0]
     # An upper bound that is told without a transform: not below the true norm, and what the solve
     # was stopped by.
