@@ -25,6 +25,7 @@ from ..output.reading import read
 from ..scene.measured import RIVALS
 from ..scene.scene import Scene
 from ..scene.settings import OPTION_CLASSES, check, of_run
+from ..system.devices import reason
 from ..system.processes import launched, unlaunched
 
 OURS = tuple(cls.prefix for cls in OPTION_CLASSES)
@@ -127,7 +128,7 @@ def sweep(scene, load, *, folder="sweep", jobs=1, steps=None, form=None, fields=
     found, cases = Sweep(parameters, folder), _cases(parameters)
     tasks = [(values, _checked(scene, cases[values], options), found.folder / f"{name}.h5", jobs)
              for values, name in _stems(cases).items()]
-    found.folder.mkdir(parents=True, exist_ok=True)
+    _make(found.folder)
     # The processes are the runs' own: here threads wait for them.
     ended = (joblib.Parallel(n_jobs=jobs, prefer="threads", return_as="generator")(
         joblib.delayed(_run)(*task) for task in tasks) if joblib else (_run(*task)
@@ -135,6 +136,15 @@ def sweep(scene, load, *, folder="sweep", jobs=1, steps=None, form=None, fields=
     for values, path, reason in tqdm(ended, total=len(tasks), disable=not progress, unit="run"):
         found.take_in(values, path, reason)
     return found
+
+
+def _make(folder):
+    """The folder of a study; InputError where there can be none."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        raise InputError(f"folder is '{folder}', which cannot be made ({reason(error)}): name "
+                         "another") from None
 
 
 def _refuse_launched():

@@ -58,8 +58,9 @@ def _check_formula(law, name):
             place = in_words((found.values[0], *np.sqrt(found.values[1:])))
             of = ", ".join(f"{value:.6g}" for value in found.arguments)
             raise InputError(f"the law {name} has no finite {results[found.result]} at {place}: "
-                             f"{found.operation} has the arguments {of}; choose by np.where "
-                             "what holds there")
+                             + (f"{found.operation} has the arguments {of}" if of else
+                                f"{found.operation} stands there")
+                             + "; choose by np.where what holds there")
     plain = np.array([np.broadcast_to(value, a.shape) for value in law.tractions(a, b)])
     told = np.array(made.program(True, False, False).run(a, b * b))
     refuse(name, np.array([a, b]), "tractions(a, b) gives other values when it is called again, "

@@ -12,7 +12,7 @@ from functools import lru_cache
 from itertools import chain
 from typing import ClassVar
 
-from .kinds import kind_of
+from .kinds import kind_of, spelled
 
 
 class InputError(ValueError):
@@ -144,15 +144,15 @@ def _single(value, rule):
     if not isinstance(value, own_type) if own_type else isinstance(value, (bool, str)):
         raise TypeError
     value = {"flag": bool, "text": str, "integer": operator.index, "number": float}[kind](value)
+    if kind == "text" and rule["choices"]:
+        value = spelled(value, rule["choices"])
     outside = (("choices", lambda a, b: a not in b), ("minimum", operator.lt),
                ("maximum", operator.gt), ("above", operator.le), ("below", operator.ge))
     if any(rule[key] is not None and fails(value, rule[key]) for key, fails in outside):
         raise ValueError
-    if kind in ("number", "integer") and not computable(value):
+    if kind in ("number", "integer") and not computable(value) or rule["even"] and value % 2:
         raise ValueError
     if kind == "number" and (math.isnan(value) or (math.isinf(value) and not rule["infinite"])):
-        raise ValueError
-    if rule["even"] and value % 2:
         raise ValueError
     return value
 

@@ -1,6 +1,7 @@
 """Kinds of options, by their defaults."""
 
 from numbers import Integral, Real
+from unicodedata import normalize
 
 KINDS = ((bool, "flag"), (Integral, "integer"), (Real, "number"), (str, "text"))
 
@@ -12,3 +13,10 @@ def kind_of(default):
             return kind
     raise TypeError(f"an option has the default {default!r}, but is a number, a text, True or "
                     "False: several values are several options")
+
+
+def spelled(text, choices):
+    """The one of some texts that a text is in other letters that look like it (a micro sign and a
+    Greek mu), else the text itself."""
+    return next((choice for choice in choices
+                 if normalize("NFKC", choice) == normalize("NFKC", text)), text)

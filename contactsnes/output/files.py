@@ -6,7 +6,7 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-from ..options.fields import nearest
+from ..options.fields import InputError, nearest
 from ..system.devices import failure, reason
 
 FORMAT = "contactsnes 1"
@@ -46,8 +46,11 @@ def opened(path, mode):
 
 def open_archive(path):
     """Open an archive for reading; raise if there is none."""
+    if resolved(path).exists() and not resolved(path).is_file():
+        raise ArchiveError(f"{path} is a folder or a device, no archive; {WRITTEN}")
     if not resolved(path).is_file():
-        beside = {other.stem: other for other in resolved(path).parent.glob("*.h5")}
+        beside = {other.stem: other for other in resolved(path).parent.glob("*.h5")
+                  if other.is_file()}
         guess = beside.get(nearest(resolved(path).stem, beside, cutoff=0.6))
         raise ArchiveError(f"{path}: there is no such file; " + (
             f"did you mean {guess.name}?" if guess else WRITTEN))
@@ -61,10 +64,15 @@ def open_archive(path):
                                "HDF5_USE_FILE_LOCKING=FALSE).") from error
         raise ArchiveError(f"{path} cannot be read as an HDF5 file: {reason(error)}; {WRITTEN}"
                            ) from error
-    if file.attrs.get("format") != FORMAT:
+    found = file.attrs.get("format")
+    if found != FORMAT:
         file.close()
-        raise ArchiveError(f"{path} is an HDF5 file, but no archive of this "
-                           f"program (attribute format = {FORMAT!r}).")
+        raise ArchiveError(
+            f"{path} is an archive of another version of this program (format {found!r}, and here "
+            f"{FORMAT!r}): read it with that one, or run its options again."
+            if str(found).startswith(FORMAT.split()[0])
+            else f"{path} is an HDF5 file, but no archive of this program (attribute format = "
+            f"{FORMAT!r}).")
     return file
 
 
@@ -114,11 +122,25 @@ def resolved(path):
     return found
 
 
+def wanting(folder):
+    """What is to be done about a path that is no folder, in words that go on with "or"."""
+    return "is a file: move it away" if folder.exists() else "does not exist: create it"
+
+
+def check_output(path):
+    """InputError if no file can be made at a path that -output names."""
+    if path.is_dir():
+        raise InputError(f"-output is '{path}', a folder: name a file")
+    if not path.parent.is_dir():
+        raise InputError(f"-output is '{path}', whose folder {wanting(path.parent)}, or name "
+                         "another")
+
+
 def check_folder(path):
     """Raise if no file can be made beside `path`."""
     if not path.parent.is_dir():
-        raise ArchiveError(f"The folder of the archive {path} does not exist: "
-                           "create it or name another -archive_file.")
+        raise ArchiveError(f"The folder of the archive {path} {wanting(path.parent)} or name "
+                           "another -archive_file.")
     if not os.access(path.parent, os.W_OK):
         raise ArchiveError(
             f"The folder of the archive {path} cannot be written: name another -archive_file.")
@@ -130,9 +152,7 @@ def check_new(path, overwrite):
     if not path.exists():
         return
     if not path.is_file():
-        raise ArchiveError(f"{path}: there is no such file, but a "
-                           "folder or a device; name another "
-                           "-archive_file.")
+        raise ArchiveError(f"{path} is a folder or a device; name another -archive_file.")
     if not overwrite:
         raise ArchiveError(f"{path} exists: -archive_resume goes on from "
                            "it, -archive_overwrite replaces it, another "

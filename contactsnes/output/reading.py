@@ -86,7 +86,10 @@ class Record(Mapping):
 
     def _check(self, file, parts):
         """Raise if frame or rows are not those that were written; archives of older programs cannot
-        tell."""
+        tell, but for how many rows they have."""
+        if any(len(column) != self.points for column in self._columns.values()):
+            raise ArchiveError(f"{self.path} is damaged: it counts {self.points} points, and its "
+                               "columns have another number of rows.")
         if "checksums" in file and (parts[0].attributes["frame"] != checksums.frame(parts)
                                     or not np.array_equal(file["checksums"][: self.points, 0],
                                                           checksums.rows(self._columns))):

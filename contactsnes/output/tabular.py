@@ -12,7 +12,7 @@ from ..scene.scene import Scene
 from . import resuming
 from .columns import instead
 from .extras import extra
-from .files import ArchiveError
+from .files import ArchiveError, check_output
 from .reading import read
 from .tables import replaced
 
@@ -205,9 +205,7 @@ def write_table(paths, table, asked):
     if path.suffix == {"csv": ".parquet", "parquet": ".csv"}[asked.format]:
         raise InputError(f"-output is '{path}', but -format is '{asked.format}': name another, or "
                          "give the other format")
-    if not path.parent.is_dir():
-        raise InputError(f"-output is '{path}', whose folder does not exist: create it, or name "
-                         "another")
+    check_output(path)
     if asked.format == "csv":
         text = as_csv(table, asked.units)
         replaced(path, lambda partial: partial.write_text(text, encoding="utf-8"))

@@ -6,10 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ..options.fields import InputError
 from ..system.devices import Lenient
 from ..system.hdf5 import h5py
-from .files import ArchiveError
+from .files import ArchiveError, check_output
 from .reading import read
 
 VERSION = (2, 2)
@@ -38,9 +37,7 @@ def write_vtk(path, asked):
     record = read(path)
     points = _points(record, asked.chosen)
     target = Path(asked.output) if asked.output else Path(path).with_suffix(ENDING)
-    if not target.parent.is_dir():
-        raise InputError(f"-output is '{target}', whose folder does not exist: create it, or name "
-                         "another")
+    check_output(target)
     # ParaView knows the format by the ending.
     target = target if target.suffix in (ENDING, ".hdf") else target.with_name(target.name + ENDING)
     partial = target.with_name(target.name + ".partial")

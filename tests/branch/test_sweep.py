@@ -217,6 +217,15 @@ def test_a_damaged_archive_is_a_failure_of_its_run_only(tmp_path):
     assert (tmp_path / "points=128.h5").read_text() == "none"
 
 
+@pytest.mark.parametrize("name", ["run.h5", "run.h5/deeper", "a\0b"])
+def test_a_folder_that_cannot_be_made_is_told(tmp_path, name):
+    (tmp_path / "run.h5").write_text("an archive")
+    with pytest.raises(InputError, match="folder is '.*', which cannot be made"):
+        sweep(Scene(**SMALL), Load(path="normal_displacement=1"), folder=tmp_path / name,
+              progress=False, points=[64])
+    assert (tmp_path / "run.h5").read_text() == "an archive"
+
+
 @pytest.mark.usefixtures("forks")
 def test_runs_have_archives_of_their_own_however_long_their_values(tmp_path):
     """Names of files hold no more than 255 bytes, and not every sign."""

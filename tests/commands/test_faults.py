@@ -441,7 +441,8 @@ def test_a_changed_number_is_damage(tmp_path):
     for name, change in (("row",
                           lambda file: file["branch/normal_force"].write_direct(np.array([1.0]))),
                          ("frame", lambda file: file["scene"].attrs.modify("poisson", 0.25)),
-                         ("unit", lambda file: file["branch/event"].attrs.modify("unit", "m"))):
+                         ("unit", lambda file: file["branch/event"].attrs.modify("unit", "m")),
+                         ("more points", lambda file: file.attrs.modify("points", 5))):
         path = tmp_path / f"{name}.h5"
         made = Archive.create(path, scene={"poisson": 0.5}, options="", versions={},
                                       columns=columns)

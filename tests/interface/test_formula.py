@@ -188,6 +188,8 @@ def test_a_law_that_has_tractions_alone_is_checked():
      r"no finite N at the normal gap 0.7 .*: divide.1, subtract.a, 0.7.. has the arguments 1, 0"),
     (lambda self, a, b: (a * np.exp(-a), np.sqrt(np.maximum(1.0 - b, 0.0))),
      r"no finite .dS/db./b at .* the slip 1 .*: divide.0.5, sqrt"),
+    (lambda self, a, b: (a * np.exp(-a), np.where(b > 1.0, np.nan, 1.0)),
+     r"no finite S = T/b at .* the slip [^:]*: nan stands there; choose by np.where"),
     (lambda self, a, b: (a * np.exp(-a), np.random.rand() + 0.0 * b), "other values"),
     (lambda self, a, b: (a if a > 0 else -a, b), "np.where.*or write evaluate"),
     (lambda self, a, b: (np.cumsum(a), b), "function cumsum.*or write evaluate"),

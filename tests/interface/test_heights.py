@@ -362,9 +362,10 @@ def test_a_map_brings_dimension_points_and_period(tmp_path):
     np.testing.assert_allclose(gap, 1e-6 * (MAP.max() - MAP), rtol=1e-10, atol=1e-18)
 
 
-def test_a_part_of_a_map_has_a_part_of_its_size(tmp_path):
+@pytest.mark.parametrize("unit", ["um", "\N{MICRO SIGN}m", "\N{GREEK SMALL LETTER MU}m"])
+def test_a_part_of_a_map_has_a_part_of_its_size(tmp_path, unit):
     scene = Scene.typed(**SI, geometry_file=saved(tmp_path, MAP), heights_size=(2.4e-4, 1.8e-4),
-                        heights_crop="4:20,0:16", heights_unit="um")
+                        heights_crop="4:20,0:16", heights_unit=unit)
     assert scene.told(scene.periods, "beta") == pytest.approx((1.6e-4, 1.6e-4))
     found = shapes.of(scene).heights(scene) * scene.scale("u_n,r")[0]
     np.testing.assert_allclose(found, 1e-6 * MAP[4:20, :16], rtol=1e-10)

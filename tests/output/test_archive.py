@@ -484,7 +484,7 @@ def test_what_is_no_archive_is_neither_read_nor_destroyed(tmp_path):
     text.write_text("-scene_points 64")
     with h5py.File(other, "w") as file:
         file["data"] = 1
-    for path, message in ((text, "HDF5"), (other, "no archive"), (tmp_path, "no such file")):
+    for path, message in ((text, "HDF5"), (other, "no archive"), (tmp_path, "is a folder")):
         for attempt in (read, lambda p: Archive.create(p, overwrite=True, **content()),
                         lambda p: Archive.resume(p, **content())):
             with pytest.raises(ArchiveError, match=message):
@@ -496,7 +496,27 @@ def test_what_is_no_archive_is_neither_read_nor_destroyed(tmp_path):
         read(tmp_path / "othr.h5")
 
 
+def test_a_folder_with_the_name_of_an_archive_is_no_archive(tmp_path):
+    (tmp_path / "run.h5").mkdir()
+    with pytest.raises(ArchiveError, match="run.h5 is a folder or a device, no archive"):
+        read(tmp_path / "run.h5")
+    with pytest.raises(ArchiveError, match="no such file; name one"):
+        read(tmp_path / "runs.h5")
+    with pytest.raises(ArchiveError, match="is a folder or a device; name another -archive_file"):
+        Archive.create(tmp_path / "run.h5", **content())
+
+
+def test_an_archive_of_another_version_is_told_as_one(tmp_path):
+    with h5py.File(tmp_path / "run.h5", "w") as file:
+        file.attrs["format"] = "contactsnes 7"
+    with pytest.raises(ArchiveError, match="another version .*format 'contactsnes 7'"):
+        read(tmp_path / "run.h5")
+
+
 def test_folders_that_cannot_be_written(tmp_path, monkeypatch):
+    (tmp_path / "plain").write_text("")
+    with pytest.raises(ArchiveError, match="is a file: move it away or name another"):
+        Archive.create(tmp_path / "plain" / "run.h5", **content())
     with pytest.raises(ArchiveError, match="does not exist"):
         Archive.create(tmp_path / "absent" / "run.h5", **content())
     monkeypatch.setattr(os, "access", lambda *_: False)  # permissions do not bind an administrator

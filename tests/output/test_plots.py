@@ -328,6 +328,8 @@ def test_bad_input(tmp_path):
     archive_of(tmp_path / "one.h5", [(jkr(2), ())])
     with pytest.raises(ArchiveError, match="does not exist"):
         plot(tmp_path / "one.h5", output=tmp_path / "absent")
+    with pytest.raises(ArchiveError, match="figures, .*one.h5, is a file: move it away"):
+        plot(tmp_path / "one.h5", output=tmp_path / "one.h5")
     with h5py.File(tmp_path / "other.h5", "w"), pytest.raises(ArchiveError):
         plot(tmp_path / "other.h5")
 

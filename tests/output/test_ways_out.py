@@ -309,3 +309,7 @@ def test_an_export_refuses_what_is_not_there(tmp_path):
         write_vtk(path, ExportOptions(points="9"))
     with pytest.raises(InputError, match="folder does not exist"):
         write_vtk(path, ExportOptions(output=str(tmp_path / "absent/a.vtkhdf")))
+    with pytest.raises(InputError, match="whose folder is a file: move it away, or name another"):
+        write_vtk(path, ExportOptions(output=str(path / "a.vtkhdf")))
+    with pytest.raises(InputError, match="-output is '.*', a folder: name a file"):
+        write_vtk(path, ExportOptions(output=str(tmp_path)))

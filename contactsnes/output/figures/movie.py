@@ -12,8 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import TwoSlopeNorm
 from matplotlib.figure import Figure
 
-from ...options.fields import InputError
-from ..files import ArchiveError
+from ..files import ArchiveError, check_output
 from ..prefixes import read
 from ..tables import replaced
 from .data import NothingToShow, along_load, contact_region, fields, free_of_rounding, inside, shear
@@ -79,9 +78,7 @@ def write_movie(path, asked):
         raise ArchiveError(f"{path} has no fields to show: run with -archive_fields all")
     kind = ending(asked)
     target = Path(asked.output) if asked.output else Path(path).with_suffix(f".{kind}")
-    if not target.parent.is_dir():
-        raise InputError(f"-output is '{target}', whose folder does not exist: create it, or name "
-                         "another")
+    check_output(target)
     rate = _rate(record, asked)
     # Formulas take most of the time: numbers at axes are none.
     with matplotlib.rc_context({**settings(asked.style), "axes.formatter.use_mathtext": False}):

@@ -31,7 +31,7 @@ import matplotlib
 from ...options.arguments import a_path, several
 from ...options.fields import InputError
 from ..asked import PlotOptions, listed
-from ..files import ArchiveError
+from ..files import ArchiveError, wanting
 from ..prefixes import alike, read
 from ..reading import NoColumn
 from .curves import draw_columns, together
@@ -147,7 +147,7 @@ def _folder(path, output):
     folder = Path(output) if output else path.parent
     if not folder.is_dir():
         raise ArchiveError(
-            f"The folder of the figures, {folder}, does not exist: create it or name another.")
+            f"The folder of the figures, {folder}, {wanting(folder)} or name another.")
     return folder
 
 

@@ -6,9 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ...options.fields import InputError
 from ..extras import extra
-from ..files import ArchiveError
+from ..files import ArchiveError, check_output
 from ..prefixes import read
 from ..tables import replaced
 from . import certificates, words
@@ -49,9 +48,7 @@ def write_report(path, asked):
     if not record.points:
         raise ArchiveError(f"{path} has no points to report on yet.")
     target = Path(asked.output) if asked.output else Path(path).with_suffix(".html")
-    if not target.parent.is_dir():
-        raise InputError(f"-output is '{target}', whose folder does not exist: create it, or name "
-                         "another")
+    check_output(target)
     text = page(record, asked)
     replaced(target, lambda partial: partial.write_text(text, encoding="utf-8"))
     return target
