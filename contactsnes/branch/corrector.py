@@ -23,7 +23,7 @@ from ..solvers.patience import Patience
 from ..solvers.precision import PATIENCE, pays, trusted
 from ..solvers.regularised import step_from_afar
 from ..solvers.ritz import stirred
-from ..solvers.snes import KSP_REASONS, SNES_REASONS, WARM, create_snes, end_of
+from ..solvers.snes import KSP_REASONS, SNES_REASONS, WARM, create_snes, end_of, ended_early
 from ..solvers.vectors import collect, create_vector
 
 
@@ -278,8 +278,8 @@ class Corrector:
         contact, components = self.contact, form.components
         survey, tolerance = contact.survey(state), self.snes.getTolerances()[1]
         if not imbalance.norm <= tolerance:
-            raise NotConverged("the solver stopped at residual_norm "
-                               f"{imbalance.norm:.2e}, above -snes_atol {tolerance:g}")
+            raise NotConverged(f"the solver stopped at residual_norm {imbalance.norm:.2e}, above "
+                               f"-snes_atol {tolerance:g}{ended_early(self.snes)}")
         if survey.closest < contact.law.deepest:
             raise NotConverged(f"a gap of {survey.closest:.3g} delta_n lies below "
                                f"{contact.law.deepest:g}, where the law is only "

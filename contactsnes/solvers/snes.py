@@ -31,6 +31,8 @@ def _names(cls):
 
 
 SNES_REASONS, KSP_REASONS = _names(PETSc.SNES.ConvergedReason), _names(PETSc.KSP.ConvergedReason)
+EARLY = {"CONVERGED_FNORM_RELATIVE": "-snes_rtol", "CONVERGED_SNORM_RELATIVE": "-snes_stol"}
+"""Reason to stop, by name, above -snes_atol -> its option, 0 unless a user gives it."""
 
 
 TRUST = "newtontr", "newtontrdc"
@@ -147,6 +149,12 @@ def idle(snes, form):
     """
     own = snes.getFunction()[0], snes.getSolutionUpdate()
     return tuple(vector if vector.handle else create_vector(form) for vector in own)
+
+
+def ended_early(snes):
+    """The option by which a SNES ended above -snes_atol, in words; '' where none did."""
+    option = EARLY.get(SNES_REASONS.get(snes.getConvergedReason()))
+    return f", where {option} ended it: without that it goes on" if option else ""
 
 
 def end_of(snes, form):

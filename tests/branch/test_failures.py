@@ -197,6 +197,22 @@ def test_a_tolerance_below_rounding_is_named_as_the_reason():
         options.delValue("snes_atol")
 
 
+@pytest.mark.parametrize("option", ["snes_rtol", "snes_stol"])
+def test_an_option_that_ends_solves_before_their_tolerance_is_named(option):
+    from petsc4py import PETSc
+
+    options = PETSc.Options()
+    options[option] = 1e-3
+    try:
+        _, points, sentences = run({"points": 256}, "normal_displacement=1",
+                                   "normal_displacement=2")
+    finally:
+        options.delValue(option)
+    told = [sentence for sentence in sentences if "above -snes_atol" in sentence]
+    assert told and all(f"where -{option} ended it" in sentence for sentence in told)
+    assert all(point.residual_norm <= 1e-8 for point in points)
+
+
 def test_contacts_too_deep_for_their_digits_are_told():
     """A last digit of a deep displacement is worth more than the tolerance."""
     from petsc4py import PETSc
