@@ -18,7 +18,7 @@ from ..contact import places, scattered, states
 from ..continuation.points import lagrange_weights
 from ..grid.cell import Convolution
 from ..options.fields import Options, option
-from .control import CAREFULLY, FREELY, MANY, ROUGHLY, Exactness, control
+from .control import CAREFUL, MANY, Exactness, control
 from .viscous import Equations, backward_formula
 
 RESTING = 1e-6
@@ -186,9 +186,9 @@ class OverdampedMotion:
     def _tried(self, step):
         """Error of a step over the tolerance (inf where it failed), and the moment to which it
         leads."""
-        if self.steps >= MANY and self._control in (ROUGHLY, FREELY):
-            self._control = CAREFULLY
-            self.equations.allow(CAREFULLY)
+        if self.steps >= MANY and self._control in CAREFUL:
+            self._control = CAREFUL[self._control]
+            self.equations.allow(self._control)
         equations, history, allowed = self.equations, self.history, self._control
         tolerance = allowed.error * self.options.tolerance
         now = history[-1]
