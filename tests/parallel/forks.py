@@ -2,6 +2,10 @@
 starts a small program in the place of each, which hands over its arguments, folder, environment and
 streams, and ends as the fork does, or takes it along. Importing takes longer than most of them.
 
+A stand-in keeps the only end of a pipe that can be written to: nobody writes, and the end of the
+stand-in, of which the system sends a signal, is all that ever comes. Such a signal of the socket
+would come of what is sent, too: the system wakes who waits for it first, and sends it afterwards.
+
 As a program, ``forks.py -serve PATH MODULES...`` starts forks for whoever asks at a socket, until
 its standard input ends; ``forks.py PATH ARGUMENTS...`` is in the place of Python with these
 arguments.
@@ -14,49 +18,77 @@ import sys
 
 
 def stand_in(path, arguments):
-    """The exit status of a fork of the process at a socket, which Python's arguments are for."""
+    """The exit status of a fork of the process at a socket, which Python's arguments are for; of one
+    that a signal ends, which is told, that of a shell."""
+    ended, _kept = os.pipe()
     with socket.socket(socket.AF_UNIX) as server:
         server.connect(path)
         order = json.dumps([arguments, os.getcwd(), dict(os.environ)]).encode()
-        socket.send_fds(server, [len(order).to_bytes(8, "big")], [0, 1, 2])
+        socket.send_fds(server, [len(order).to_bytes(8, "big")], [0, 1, 2, ended])
         server.sendall(order)
-        return int(server.recv(16) or b"1")  # nothing comes of one that is killed
+        status = server.recv(16)
+    if not status:
+        print("forks.py: what starts forks is gone", file=sys.stderr)
+        return 1
+    if int(status) < 0:
+        print(f"forks.py: signal {-int(status)} has ended a fork", file=sys.stderr)
+        return 128 - int(status)
+    return int(status)
 
 
 def serve(path):
-    """Start forks as they are asked for; in each, the connection with its stand-in, what it has to
-    do, and its streams."""
+    """Start forks as they are asked for, and tell how each has ended; in each, what it has to do,
+    and files: its streams, and what can be read when its stand-in has ended."""
+    running = {}  # file of a process -> (its number, who asks for it)
     with socket.socket(socket.AF_UNIX) as listener:
         listener.bind(path)
         listener.listen(64)
         print("ready", flush=True)
-        while listener in select.select([listener, 0], [], [])[0]:
-            asking, _ = listener.accept()
-            if os.fork() == 0:
-                size, files, *_ = socket.recv_fds(asking, 8, 3)
-                with asking.makefile("rb") as rest:
-                    order = rest.read(int.from_bytes(size, "big"))
-                return asking, json.loads(order), files
-            asking.close()
+        while 0 not in (ready := select.select([listener, 0, *running], [], [])[0]):
+            for file in running.keys() & ready:
+                tell_end(file, *running.pop(file))
+            if listener in ready:
+                asking, _ = listener.accept()
+                number = os.fork()
+                if number == 0:
+                    size, files, *_ = socket.recv_fds(asking, 8, 4)
+                    with asking.makefile("rb") as rest:
+                        order = rest.read(int.from_bytes(size, "big"))
+                    return json.loads(order), files
+                running[os.pidfd_open(number)] = number, asking
     return None
 
 
-def become(asking, order, files):
-    """Do in this process what a stand-in was started for, and tell it the exit status.
+def tell_end(file, number, asking):
+    """Tell who asked for a process how it has ended.
 
     Parameters
     ----------
+    file, number : of the process
     asking : socket
-    order : (arguments of Python, folder, environment)
-    files : standard streams, as numbers
     """
-    for stream, file in enumerate(files):
+    os.close(file)
+    status = os.waitstatus_to_exitcode(os.waitpid(number, 0)[1])
+    with asking, suppress(OSError):  # who asked may be gone
+        asking.sendall(str(status).encode())
+
+
+def become(order, files):
+    """Do in this process what a stand-in was started for, and end.
+
+    Parameters
+    ----------
+    order : (arguments of Python, folder, environment)
+    files : numbers of the standard streams, and of what can be read when the stand-in has ended
+    """
+    *streams, stand_in_ended = files
+    for stream, file in enumerate(streams):
         os.dup2(file, stream)
         os.close(file)
-    signal.signal(signal.SIGCHLD, signal.SIG_DFL)
-    # where the stand-in is killed, the system ends this process, too
-    fcntl.fcntl(asking, fcntl.F_SETOWN, os.getpid())
-    fcntl.fcntl(asking, fcntl.F_SETFL, fcntl.fcntl(asking, fcntl.F_GETFL) | os.O_ASYNC)
+    fcntl.fcntl(stand_in_ended, fcntl.F_SETOWN, os.getpid())
+    fcntl.fcntl(stand_in_ended, fcntl.F_SETFL, os.O_ASYNC)  # from now on SIGIO, which ends this one
+    if select.select([stand_in_ended], [], [], 0)[0]:
+        os._exit(1)
     arguments, folder, variables = order
     os.environ.clear()
     os.environ.update(variables)
@@ -65,7 +97,6 @@ def become(asking, order, files):
     starter.close()
     if "mpi4py.MPI" in sys.modules and not sys.modules["mpi4py.MPI"].Is_finalized():
         sys.modules["mpi4py.MPI"].Finalize()
-    asking.sendall(str(status).encode())
     os._exit(status)
 
 
@@ -96,14 +127,13 @@ if __name__ == "__main__":
     import fcntl
     import gc
     import select
-    import signal
+    from contextlib import suppress
     from pathlib import Path
     from types import ModuleType
 
     sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts" / "paper"))
     import starter
 
-    signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # nobody waits for forks here
     starter.prepare(sys.argv[3:])
     asked = serve(sys.argv[2])
     if asked is not None:

@@ -63,6 +63,12 @@ class Done(NamedTuple):
     stdout: str
     stderr: str
 
+    def __repr__(self):
+        """All that is known of it, as a failing test shows it."""
+        status = self.returncode
+        return "\n".join([f"status {status}" if status >= 0 else f"ended by signal {-status}",
+                          "standard output:", self.stdout, "standard error:", self.stderr])
+
     @property
     def told(self):
         """Lines of the program's own on standard error: the launcher says more."""
@@ -188,15 +194,15 @@ def say(size, text, folder, word="alike", times=1):
     times : int
     """
     done = program(size, text, folder)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.count(word) == times * size, done.stdout
+    assert done.returncode == 0, done
+    assert done.stdout.count(word) == times * size, done
 
 
 def found(size, text, folder):
     """What a program of Python in so many processes leaves in ``found.json`` of a folder: a
     launcher may be slow to pass on as much on standard output."""
     done = program(size, text, folder)
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 0, done
     return json.loads((Path(folder) / "found.json").read_text(encoding="utf-8"))
 
 

@@ -39,7 +39,7 @@ def alone(tmp_path_factory):
         if words not in known:
             folder = tmp_path_factory.mktemp("alone")
             done = command(1, "run", *words, folder=folder)
-            assert done.returncode == 0, done.stderr
+            assert done.returncode == 0, done
             known[words] = folder / "run.h5"
         return known[words]
 
@@ -66,7 +66,7 @@ def differences(first, second, most=1e-8):
 @pytest.mark.parametrize("size, on", [*zip(SIZES, ["cell", "active"])])
 def test_an_archive_is_that_of_one_process(size, on, alone, tmp_path):
     done = command(size, "run", *words_of(on=on), folder=tmp_path)
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 0, done
     files = alone(*words_of(on=on)), tmp_path / "run.h5"
     assert read(files[0]).points == read(files[1]).points > 5
     assert read(files[1]).complete
@@ -97,7 +97,7 @@ def test_an_archive_that_is_written_in_blocks_is_the_same(fields, on, precision,
         words = [*words_of(fields, on, precision, path), "-archive_resume"]
         text = IN_BLOCKS.format(small=small, block=block, words=words)
         done = program(size, text, tmp_path)
-        assert done.returncode == 0, done.stderr
+        assert done.returncode == 0, done
     files = alone(*words_of(fields, on, precision)), tmp_path / "run.h5"
     one, other = map(read, files)
     assert other.complete and one.points == other.points > 5
@@ -121,7 +121,7 @@ def test_another_number_of_processes_goes_on(sizes, alone, tmp_path):
     assert begun.returncode == 0, begun.stderr
     known = read(tmp_path / "run.h5").points
     done = command(second, "run", *words_of(), "-archive_resume", folder=tmp_path)
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 0, done
     assert f"after point {known} of" in done.stdout
     archive, whole = read(tmp_path / "run.h5"), read(alone(*words_of()))
     assert archive.complete
@@ -136,7 +136,7 @@ def test_fields_in_parts_are_kept_beside_states_that_one_process_has_as_a_whole(
                    "-scene_points", "96", "-scene_period", "8", "-scene_normal_maugis", "2",
                    "-load_start", "normal_displacement=0", "-load_path", "normal_displacement=0.4",
                    "-archive_fields", "all", "-archive_file", "run.h5", folder=tmp_path)
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 0, done
     archive = read(tmp_path / "run.h5")
     assert archive.complete and archive.points > 1
 

@@ -66,17 +66,17 @@ def test_a_run_is_that_of_one_process(tmp_path):
     words = [*ROUGH, "-continuation_stability", "eigenvalue", "-load_start",
              "normal_displacement=-1.2", "-load_path"]
     done = command(1, "run", *words, PULLED, folder=tmp_path / "one")
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 0, done
     done = program(2, IDLE + COMMAND.format(words=["run", *words, PULLED, "-load_stop",
                                                    "pull_off"]), tmp_path / "two")
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 0, done
     assert done.stderr.count("1 of 2 processes have none") == 1
     files = [tmp_path / folder / "run.h5" for folder in ("one", "two")]
     with h5py.File(files[0], "r") as file:
         events = file["branch/event"]
         assert "jump" in np.array(events.attrs["names"])[events[()]]
     done = command(1, "run", *words, PULLED, "-archive_resume", folder=tmp_path / "two")
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 0, done
     one, other = map(read, files)
     assert one.points == other.points > 5 and other.complete
     for name in ("event", "stable", "unstable_modes"):
@@ -92,7 +92,7 @@ def test_processes_beyond_rows_are_told_of(tmp_path):
     for folder, size in (("one", 1), ("many", 17)):
         (tmp_path / folder).mkdir()
         done = command(size, "run", *SPHERE, folder=tmp_path / folder)
-        assert done.returncode == 0, done.stderr
+        assert done.returncode == 0, done
         told = done.stderr.count("of which 1 of 17 processes have none")
         assert told == (size > 1), done.stderr
     files = [tmp_path / folder / "run.h5" for folder in ("one", "many")]

@@ -52,8 +52,8 @@ def failed(size, ranks, error, folder, words=PLANE, fresh=False):
 @pytest.mark.parametrize("ranks", [(0,), (1,), (0, 1)])
 def test_memory_that_lacks_in_some_processes(ranks, tmp_path):
     done = failed(2, ranks, "MemoryError('1 TB')", tmp_path, fresh=ranks == (1,))
-    assert done.returncode == 1, done.stdout + done.stderr
-    assert len(done.told) == 1 and "Traceback" not in done.stderr, done.stderr
+    assert done.returncode == 1, done
+    assert len(done.told) == 1 and "Traceback" not in done.stderr, done
     assert all(words in done.told[0] for words in ("not enough memory (1 TB)", "3 points are in",
                                                    "-archive_resume"))
     assert ("process 2 of 2" in done.told[0]) == (ranks == (1,))
@@ -95,8 +95,8 @@ sys.exit(cli.main(["run", *{words!r}]))"""
 def test_several_that_fail_one_after_another_speak_once(ranks, tmp_path):
     """While the third one goes on, and waits: the last one is ended as it waits for others."""
     done = program(3, LATER.format(ranks=ranks, words=PLANE), tmp_path, fresh=ranks == (1, 2))
-    assert done.returncode == 1 and "Traceback" not in done.stderr, done.stderr
-    assert len(done.told) == 1 and "3 points are in" in done.told[0], done.stderr
+    assert done.returncode == 1 and "Traceback" not in done.stderr, done
+    assert len(done.told) == 1 and "3 points are in" in done.told[0], done
     assert ("process 2 of 3" in done.told[0]) == (ranks == (1, 2))
     assert read(tmp_path / "run.h5").points == 3
 
@@ -104,8 +104,8 @@ def test_several_that_fail_one_after_another_speak_once(ranks, tmp_path):
 @together
 def test_a_process_that_fails_when_others_have_ended_well(tmp_path):
     done = program(2, AFTERWARDS.format(words=PLANE), tmp_path)
-    assert done.returncode == 2 and "Traceback" not in done.stderr, done.stderr
-    assert len(done.told) == 1 and "process 2 of 2" in done.told[0], done.stderr
+    assert done.returncode == 2 and "Traceback" not in done.stderr, done
+    assert len(done.told) == 1 and "process 2 of 2" in done.told[0], done
     assert read(tmp_path / "run.h5").complete
 
 
@@ -114,8 +114,8 @@ def test_a_process_that_fails_when_others_have_ended_well(tmp_path):
 def test_a_defect_in_some_processes(ranks, tmp_path):
     """What is neither solver nor user is shown with its traceback, once."""
     done = failed(3, ranks, "RuntimeError('something is wrong')", tmp_path)
-    assert done.returncode == 1, done.stdout + done.stderr
-    assert done.stderr.count("RuntimeError: something is wrong") == 1, done.stderr
+    assert done.returncode == 1, done
+    assert done.stderr.count("RuntimeError: something is wrong") == 1, done
     assert read(tmp_path / "run.h5").points == 3
 
 
@@ -151,7 +151,7 @@ def test_a_law_that_fails_within_a_solve_of_one_process(error, tmp_path):
     the law ended its program."""
     (tmp_path / "law.py").write_text(LAW.format(error=error))
     done = program(2, BREAKING.format(words=(*PLANE, "-scene_law", "law.py:Failing")), tmp_path)
-    assert done.returncode == 1, done.stdout + done.stderr
+    assert done.returncode == 1, done
     assert all(words in done.told[0] for words in (f"{error}: no traction; line 8 of the file",
                                                    "3 points are in", "process 2 of 2"))
     assert "Traceback" not in done.stderr and read(tmp_path / "run.h5").points == 3
@@ -163,9 +163,9 @@ def test_a_full_disk(tmp_path):
     words = (*PLANE, "-archive_fields", "all", "-archive_fields_on", "cell")
     text = FAILING.format(ranks=(), error="None", words=words, patience=5.0)
     done = program(2, limit + text, tmp_path)
-    assert done.returncode == 1, done.stdout + done.stderr
+    assert done.returncode == 1, done
     points = read(tmp_path / "run.h5").points
-    assert len(done.told) == 1 and points, done.stderr
+    assert len(done.told) == 1 and points, done
     assert "cannot be written (File too large)" in done.told[0]
     assert f"{points} {'points are' if points > 1 else 'point is'} in" in done.told[0]
 
@@ -206,7 +206,7 @@ def test_an_interrupted_launcher(number, tmp_path):
     run = started(tmp_path)
     run.process.send_signal(number)
     done, archive = run.ended(60.0), read(tmp_path / "run.h5")
-    assert done.returncode != 0 and "Traceback" not in done.stderr, done.stderr
+    assert done.returncode != 0 and "Traceback" not in done.stderr, done
     assert archive.points > 1 and not archive.complete
     for line in done.told:
         counted = COUNTED.search(line)
@@ -225,7 +225,7 @@ def test_a_process_that_is_killed(number, tmp_path):
     assert len(own) == 2
     os.kill(own[1], number)
     done = run.ended(60.0)
-    assert done.returncode == 128 + number and "Traceback" not in done.stderr, done.stderr
+    assert done.returncode == 128 + number and "Traceback" not in done.stderr, done
     assert read(tmp_path / "run.h5").points > 1 and not members(run.process.pid)
 
 

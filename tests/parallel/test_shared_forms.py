@@ -178,7 +178,7 @@ def test_a_process_that_has_no_kernels_or_compiler_hinders_nobody(name, value, s
     (tmp_path / "law.py").write_text(LAW)
     text = MIXED.format(name=name, value=value, symmetry=symmetry, law=law)
     done = Started(2, ["-c", text], tmp_path, fresh=True).ended(60.0)
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 0, done
     assert read(tmp_path / "run.h5").complete
     if name == "CC" and library.reason() is None:
         assert "the law is evaluated by NumPy: the C compiler /bin/false" in done.stdout

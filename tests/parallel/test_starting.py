@@ -15,8 +15,8 @@ PLANE = ("-scene_dimension", "2", "-scene_points", "32", "-scene_period", "20",
 
 def refused(done, *words):
     """Assert that bad input was answered by one sentence with these words, once."""
-    assert done.returncode == 2, done.stdout + done.stderr
-    assert len(done.told) == 1 and "Traceback" not in done.stderr, done.stderr
+    assert done.returncode == 2, done
+    assert len(done.told) == 1 and "Traceback" not in done.stderr, done
     assert all(word in done.told[0] for word in words), done.told
 
 
@@ -89,7 +89,7 @@ def test_a_method_that_one_process_cannot_make_ends_all(tmp_path, monkeypatch):
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     done = command(2, "run", *PLANE, "-snes_type", "python", "-snes_python_type", "alone.Own",
                    folder=tmp_path, fresh=True)
-    assert done.returncode in (1, 2) and len(done.told) == 1, done.stderr
+    assert done.returncode in (1, 2) and len(done.told) == 1, done
     assert "mine alone" in done.told[0] and "process 2 of 2" in done.told[0], done.told
 
 
@@ -166,7 +166,7 @@ def test_info_tells_the_memory_of_each_process(tmp_path):
     told = {}
     for size in (1, 2):
         done = command(size, "info", *PLANE, "-scene_points", "512", folder=tmp_path)
-        assert done.returncode == 0 and done.stdout.count("Unknowns\n") == 1, done.stderr
+        assert done.returncode == 0 and done.stdout.count("Unknowns\n") == 1, done
         told[size] = re.search(r"(\d+) MB( a process)? on the whole", done.stdout)
     assert told[1][2] is None and told[2][2] == " a process"
     assert abs(2 * int(told[2][1]) - int(told[1][1])) <= 2

@@ -96,7 +96,7 @@ def test_gaps_by_rows_are_those_of_one_process(size, tmp_path):
     """Of processes that are each alone otherwise, and then of those of a command."""
     files(tmp_path)
     done = program(size, PROGRAM, tmp_path)
-    assert done.returncode == 0 and "alike" in done.stdout, done.stderr
+    assert done.returncode == 0 and "alike" in done.stdout, done
 
 
 HELD = """
@@ -156,7 +156,7 @@ def test_a_surface_that_the_first_process_cannot_have_ends_all(tmp_path):
     for geometry, more in (("file", ("-scene_geometry_file", "bad.txt")), ("own.py:gap", ())):
         done = command(2, "run", "-scene_dimension", "2", "-scene_points", "32", "-scene_geometry",
                        geometry, *more, "-load_path", "normal_force=1", folder=tmp_path)
-        assert done.returncode == 2 and len(done.told) == 1, done.stderr
+        assert done.returncode == 2 and len(done.told) == 1, done
 
 
 @together
@@ -169,7 +169,7 @@ def test_runs_on_heights_are_those_of_one_process(name, tmp_path):
                        "-scene_normal_maugis", "1", "-load_start", "normal_displacement=-1",
                        "-load_path", "normal_displacement=-0.9", "-archive_file", f"{size}.h5",
                        folder=tmp_path)
-        assert done.returncode == 0, done.stderr
+        assert done.returncode == 0, done
     one, two = (read(tmp_path / f"{size}.h5") for size in (1, 2))
     assert one.scene["heights_sha256"] == two.scene["heights_sha256"]
     np.testing.assert_allclose(one["normal_force"], two["normal_force"], rtol=1e-7)
