@@ -18,8 +18,8 @@ import sys
 
 
 def stand_in(path, arguments):
-    """The exit status of a fork of the process at a socket, which Python's arguments are for; of one
-    that a signal ends, which is told, that of a shell."""
+    """The exit status of a fork of the process at a socket, which Python's arguments are for; where
+    a signal ends it, which is told, that of a shell."""
     ended, _kept = os.pipe()
     with socket.socket(socket.AF_UNIX) as server:
         server.connect(path)
