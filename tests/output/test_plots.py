@@ -6,6 +6,7 @@ import h5py
 import numpy as np
 import pytest
 from matplotlib import rc_context
+from matplotlib.figure import Figure
 from matplotlib.image import imread
 from matplotlib.lines import Line2D
 from matplotlib.textpath import TextPath
@@ -166,6 +167,23 @@ def check_images(figures):
             columns_wide = 2 if file.stem.endswith("maps") else 1
             assert abs(image.shape[1] - columns_wide * 8.5 / 2.54 * 300) < 2
             assert np.std(image) > 0.02
+
+
+def test_numbers_at_ticks_are_text_and_their_power_of_ten_is_not(tmp_path):
+    """As mathematics, which matplotlib sets slowly, they are the same."""
+    with rc_context(style.settings()):
+        figure = Figure()
+        axes = figure.subplots()
+        axes.plot([-1.5, 2.0], [0.0, 4e7])
+        figure.draw_without_rendering()
+        before = [axis.get_majorticklabels() for axis in (axes.xaxis, axes.yaxis)]
+        before = [label.get_text() for labels in before for label in labels]
+        style.saved(figure, tmp_path / "text.png")
+        after = [label.get_text() for axis in (axes.xaxis, axes.yaxis)
+                 for label in axis.get_majorticklabels()]
+        assert before == [f"$\\mathdefault{{{text}}}$" for text in after]
+        assert {"\N{MINUS SIGN}1.5", "2.0"} <= set(after)
+        assert "10^{7}" in axes.yaxis.get_offset_text().get_text()
 
 
 def test_a_sheared_line_contact_has_all_figures_but_maps(tmp_path):

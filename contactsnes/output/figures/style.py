@@ -6,6 +6,7 @@ import matplotlib
 import matplotlib.style
 import numpy as np
 from cycler import cycler
+from matplotlib.ticker import ScalarFormatter
 
 from ...options.fields import InputError, meant
 from ..tables import replaced
@@ -71,9 +72,21 @@ def sized(figure, size):
     return figure
 
 
+class Plain(ScalarFormatter):
+    """Numbers at ticks as text. Set as mathematics they look the same, and take a third of the time
+    of a figure; a power of ten that they have in common is no number at a tick."""
+
+    def __call__(self, x, pos=None):
+        return super().__call__(x, pos).removeprefix(r"$\mathdefault{").removesuffix("}$")
+
+
 def saved(figure, path):
     """Write a figure to a path, which tells its kind. It is made in memory first: where a disk is
     full, matplotlib's PDF fails in ways that say nothing of it."""
+    if not matplotlib.rcParams["text.usetex"]:  # all of its text is TeX
+        for axis in (axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)):
+            if type(axis.get_major_formatter()) is ScalarFormatter:
+                axis.set_major_formatter(Plain())
     made = io.BytesIO()
     figure.savefig(made, format=path.suffix[1:])
     replaced(path, lambda partial: partial.write_bytes(made.getbuffer()))
