@@ -42,7 +42,8 @@ def show(tmp_path_factory):
 
 
 @pytest.mark.parametrize("words, name", ((("table", "run.h5", "-output", "all.csv"), "all.csv"),
-                                         (("movie", "run.h5", "-format", "gif"), "run.gif"),
+                                         (("movie", "run.h5", "-format", "gif", "-frames", "2"),
+                                          "run.gif"),
                                          (("export", "run.h5"), "run.vtkhdf"),
                                          (("plot", "run.h5"), "run-approach.png"),
                                          (("plot", "run.h5", "-plot_format", "svg"),
