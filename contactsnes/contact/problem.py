@@ -188,16 +188,16 @@ class Contact:
         For ``even`` fields the points of each direction are those from the axis outwards; where
         they are odd in some, their ``signs`` say so. Transforms are of ``count`` fields.
         """
-        parities = signs and (signs,) * count
-        make = partial(self.kernels.even, parities=parities) if even else self.kernels.circle
-        transform = make(self.grid, shape, count)
+        grid = self.grid if even else self.grid.of_circle(shape)
         components, key = 1 if component == 0 else 1 + len(shape), (component, component)
         if even:
-            own = self.body.diagonal(transform.wavevectors(self.grid.spacings), components,
+            transform = self.kernels.even(grid, shape, count, signs and (signs,) * count)
+            own = self.body.diagonal(transform.wavevectors(grid.spacings), components,
                                      last_even=shape[-1] % 2 == 0)[key]
         else:
-            own = self.grid.symbols(self.body.diagonal, components, shape, apart)[key]
-        return transform, self.grid.with_mean(own * self.ranges[component] ** 2)
+            transform = self.kernels.circle(grid, shape, count)
+            own = grid.symbols(self.body.diagonal, components, shape, apart)[key]
+        return transform, grid.with_mean(own * self.ranges[component] ** 2)
 
     def _coarse(self, resolution):
         """The contact on every other node, its law softened to spacing x maugis^2 <= resolution;

@@ -173,9 +173,12 @@ class Fields:
         """The largest of what the parts of the cell have, in all processes."""
         return number
 
-    def lowest(self, numbers):
-        """The lowest of whole numbers (an array), in all processes."""
-        return -int(self.largest(np.max(-numbers, initial=-np.iinfo(np.int32).max)))
+    def ends(self, lines):
+        """(lowest, highest) of whole numbers, of each of some arrays, in all processes: a list."""
+        most = np.iinfo(np.int32).max
+        found = self.largest([(-int(np.min(line, initial=most)), int(np.max(line, initial=-most)))
+                              for line in lines])
+        return [(-int(below), int(highest)) for below, highest in found]
 
     def any(self, mask):
         """Whether ``mask`` holds anywhere."""
@@ -201,6 +204,15 @@ class Fields:
     out."""
     circle = None
     """What makes transforms on circles smaller than the cell, where that is shared out."""
+
+    def of_circle(self, shape):
+        """The grid that has the points of a circle of a shape.
+
+        Parameters
+        ----------
+        shape : points in each direction
+        """
+        return self
 
     def placed(self, transform, first, count):
         """A transform of a circle, of which this process has some rows: all.

@@ -14,6 +14,16 @@ class Filtering:
         self.spectrum *= symbol
         self.backward()
 
+    @staticmethod
+    def fitting(block):
+        """A symbol as `filter` takes it."""
+        return block
+
+    @staticmethod
+    def places(numbers):
+        """Where in ``real`` the points of some numbers on the circle are."""
+        return numbers
+
     def inverted(self, compliance, stiffness):
         """The symbol 1 / (gain (1 + C D)) of each field, of the precision of ``real``.
 
@@ -46,6 +56,31 @@ class Filtering:
         np.subtract(inner, change, out=change)
         change *= back
         values += change
+
+    def sums_at(self, places, nodes, weight, values):
+        """Sums of weights times values at nodes for each place in ``real``, of one field.
+
+        Parameters
+        ----------
+        places, nodes : arrays of intc; several nodes may have one place
+        weight : array (nodes,)
+        values : array
+        """
+        sums = np.bincount(places, weight * values[nodes], self.real.size)
+        return sums.astype(float, copy=False)  # (of no nodes they are integers)
+
+    def subtract_nodes(self, places, nodes, weight, own, values):
+        """Subtract from values at nodes their weights times what stands in their places, and
+        ``own`` times the square of these.
+
+        Parameters
+        ----------
+        places, nodes, weight, values : as of `sums_at`
+        own : float
+        """
+        change = own * weight * values[nodes]
+        change += self.real.reshape(-1)[places]
+        values[nodes] -= weight * change
 
 
 def clear_padding(real, shape):

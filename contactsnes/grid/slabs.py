@@ -30,7 +30,8 @@ PATCH = 4
 """Rows that processes have a multiple of, where there are enough: patches of a preconditioner
 (`grid.patches`) are theirs as a whole."""
 GATHERED = 2 ** 14
-"""Nodes of a coarser grid up to which every process has all of them."""
+"""Nodes of a coarser grid, or points of a circle, up to which every process has all of them: to
+compute with all of these takes it less time than to wait for others."""
 
 
 class Slabs(SlabFields, Grid):
@@ -158,6 +159,21 @@ class Slabs(SlabFields, Grid):
         first = -memory.ctypes.data % pyfftw.simd_alignment
         return memory[first:first + size].view(kind).reshape(shape)
 
+    def of_circle(self, shape):
+        """The grid that has the points of a circle of a shape: where these are few, every process
+        has all of them, as of a cell that it has alone.
+
+        Parameters
+        ----------
+        shape : points in each direction
+        """
+        return self._alone if math.prod(shape) <= GATHERED else self
+
+    @cached_property
+    def _alone(self):
+        """The cell as one process has it, with the same counter."""
+        return Grid(self.shape, self.periods, self.counter)
+
     def placed(self, transform, first, count):
         """A transform of a circle, of which this process has some rows.
 
@@ -181,6 +197,13 @@ class Slabs(SlabFields, Grid):
         every = np.empty((self.comm.size, *own.shape))
         self.comm.Allgather(own, every)
         return np.add.reduce(every, axis=0)
+
+    def add_up(self, numbers):
+        """Sum up an array over processes, in place, of whose numbers each but one has zero: it is
+        the same on all, then."""
+        from mpi4py import MPI
+
+        self.comm.Allreduce(MPI.IN_PLACE, numbers)
 
     def before(self, count):
         """How many the processes before this one have of what this one has so many."""

@@ -630,6 +630,15 @@ CLONES static double answer(const Form *f, long i, long j, const double *field)
     return sum;
 }
 
+/* Sums over the nodes that are here of what each component of the law answers to fields. */
+void answers(const Form *f, const double *fields, double *sums)
+{
+    for (long i = 0; i < f->components; i++) {
+        sums[i] = 0.0;
+        for (long j = 0; j < f->components; j++) sums[i] += answer(f, i, j, fields + j * f->nodes);
+    }
+}
+
 static double count_acting(const Form *f)
 {
     double count = 0.0;

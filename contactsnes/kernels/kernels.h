@@ -152,6 +152,8 @@ typedef struct {
     void *rows, *made;
     double *matrix; /* of its last solve, column by column */
     long count;
+    int (*add_up)(double *numbers, long count); /* numbers of all processes; null: one has all nodes */
+    int (*filter)(const void *symbol); /* where processes have some patches each; null: each has all */
 } TwoGrids;
 
 typedef struct Zone Zone;

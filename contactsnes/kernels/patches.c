@@ -14,6 +14,14 @@ static void rows_of(const Block *b, long patch, long *from, long *to)
 #define BODY "patches.h"
 #include "both.h"
 
+/* Sums of weights times x of some nodes by their places, so many. */
+void sum_nodes(const int *at, const int *node, const double *weight, const double *x, long n, long places,
+               double *sums)
+{
+    memset(sums, 0, places * sizeof *sums);
+    for (long k = 0; k < n; k++) sums[at[k]] += weight[k] * x[node[k]];
+}
+
 /* Patches of a core in each direction. */
 static void count_patches(const Block *b, long *patches)
 {

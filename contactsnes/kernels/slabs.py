@@ -22,6 +22,7 @@ class OfLibrary:
     ``structure`` tells of."""
 
     fitting, folded = Compiled.fitting, None
+    sums_at, subtract_nodes = Compiled.sums_at, Compiled.subtract_nodes
 
     @property
     def spectral(self):
@@ -158,7 +159,11 @@ class SlabReal(OfLibrary, SlabTransform):
 
     def filter(self, symbol):
         """What stands in ``real`` times real symbols of its precision, (count, *spectrum)."""
+        self.filter_by(*map(address, symbol))
+
+    def filter_by(self, *symbols):
+        """The same with the addresses of the symbols, one a field."""
         response = structures.Response(components=self._count)
-        for i, own in enumerate(symbol):
-            response.symbol[i][i] = address(own)
+        for i, symbol in enumerate(symbols):
+            response.symbol[i][i] = symbol
         self.respond(response, False)

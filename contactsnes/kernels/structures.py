@@ -153,6 +153,10 @@ class Blur(ctypes.Structure):
                 ("sums", c_void_p)]
 
 
+AddUp = ctypes.CFUNCTYPE(c_int, c_void_p, c_long)
+Filter = ctypes.CFUNCTYPE(c_int, c_void_p)
+
+
 class TwoGrids(ctypes.Structure):
     """One component on two grids."""
 
@@ -163,7 +167,7 @@ class TwoGrids(ctypes.Structure):
                 ("within", c_void_p), ("number", c_void_p), ("area", c_double),
                 ("left", c_double), ("compliant", c_double), ("sums", c_void_p),
                 ("rows", c_void_p), ("made", c_void_p), ("matrix", c_void_p),
-                ("count", c_long)]
+                ("count", c_long), ("add_up", AddUp), ("filter", Filter)]
 
 
 Missing = ctypes.CFUNCTYPE(c_int, c_long, c_long, c_long, c_long)

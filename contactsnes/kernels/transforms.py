@@ -61,15 +61,38 @@ class Compiled(Filtering):
 
     def fitting(self, block):
         """A symbol as the library takes it."""
-        kind = SINGLE[block.dtype] if self.structure.single else block.dtype
+        kind = SINGLE.get(block.dtype, block.dtype) if self.structure.single else block.dtype
         return np.ascontiguousarray(block, dtype=kind)
 
     def places(self, numbers):
         """Where the library has the nodes of some numbers on the circle."""
         return numbers
 
-    def _call(self, function):
-        if function(self._reference, self.structure.shape[0]) == TOO_MANY:
+    def sums_at(self, places, nodes, weight, values):
+        """As `Filtering.sums_at`.
+
+        Parameters
+        ----------
+        places, nodes, weight, values : as of that
+        """
+        sums = np.empty(self.real.size)
+        self.library.sum_nodes(address(places), address(nodes), address(weight), address(values),
+                               len(nodes), len(sums), address(sums))
+        return sums
+
+    def subtract_nodes(self, places, nodes, weight, own, values):
+        """As `Filtering.subtract_nodes`.
+
+        Parameters
+        ----------
+        places, nodes, weight, own, values : as of that
+        """
+        self.library.subtract_nodes(ctypes.addressof(self.structure), address(places),
+                                    address(nodes), address(weight), own, address(values),
+                                    len(nodes))
+
+    def _call(self, function, *rest):
+        if function(self._reference, *rest or (self.structure.shape[0],)) == TOO_MANY:
             self._grid.counter.check()
 
     def forward(self):
@@ -150,8 +173,12 @@ class Packed(Compiled):
     def fitting(self, block):
         """A symbol as the library takes it: column after column."""
         waves = block.reshape(-1, *self.waves)
-        kind = SINGLE[block.dtype] if self.structure.single else block.dtype
+        kind = SINGLE.get(block.dtype, block.dtype) if self.structure.single else block.dtype
         return np.ascontiguousarray(np.swapaxes(waves, -1, -2), dtype=kind)
+
+    def filter(self, symbol):
+        """What stands in ``real`` times real symbols that are `fitting`, in place."""
+        self._call(self.library.filter, ctypes.addressof(self.structure.shape), address(symbol))
 
     def rows(self, field):
         """A field (rows, columns) of this memory as (pairs, 2, columns), its rows in order."""
@@ -160,7 +187,7 @@ class Packed(Compiled):
     def places(self, numbers):
         """Where the library has the nodes of some numbers on the circle."""
         row, column = np.divmod(numbers, self.shape[1])
-        return (row // 2 * 2 * self.shape[1] + row % 2 + 2 * column).astype(np.int32)
+        return (row // 2 * 2 * self.shape[1] + row % 2 + 2 * column).astype(np.intc)
 
 
 class Cosines(Compiled):

@@ -6,6 +6,12 @@
 enum { PARTS = 16 };   /* of a sum, side by side */
 enum { SOME = 1024 };  /* nodes whose fields stay in the cache */
 
+/* Symbols times what stands on the circle of patches, in place. */
+static int filter_patches(const TwoGrids *g, const void *symbol)
+{
+    return g->filter ? g->filter(symbol) : filter(g->transform, g->transform->shape, symbol);
+}
+
 #define BODY "two_grids.h"
 #include "both.h"
 
@@ -42,7 +48,9 @@ static int apply(TwoGrids *g, const void *field, void *out, int floats)
         const long n = g->nodes - at < SOME ? g->nodes - at : SOME;
         (single ? gather_in_single : gather_in_double)(g, some_of(field, floats, at, n, part), at, n);
     }
-    const int status = single ? on_patches_in_single(g) : on_patches_in_double(g);
+    int status = 0;
+    if (g->add_up && !g->filter) status = g->add_up(g->sums, 2 * g->points);
+    if (!status) status = single ? on_patches_in_single(g) : on_patches_in_double(g);
     if (status) return status;
     for (long at = 0; at < g->nodes; at += SOME) {
         const long n = g->nodes - at < SOME ? g->nodes - at : SOME;

@@ -62,6 +62,13 @@ CLONES static double OF(inner)(const REAL *restrict x, const REAL *restrict y, l
     return sum;
 }
 
+/* Inner products of some vectors with another one. */
+static int OF(inner_products)(const TwoGrids *g, const REAL *vectors, long count, const REAL *x, double *found)
+{
+    for (long j = 0; j < count; j++) found[j] = OF(inner)(vectors + j * g->points, x, g->points);
+    return g->filter ? g->add_up(found, count) : 0;
+}
+
 CLONES static void OF(moved)(REAL *restrict x, REAL factor, const REAL *restrict y, long n)
 {
     for (long k = 0; k < n; k++) x[k] += factor * y[k];
@@ -73,7 +80,7 @@ static int OF(times_core)(const TwoGrids *g, REAL *row, REAL factor, REAL *made)
     REAL *on_circle = g->transform->real;
     for (long k = 0; k < g->points; k++) row[k] *= factor;
     OF(multiplied)(g->core, row, on_circle, g->points);
-    const int status = filter(g->transform, g->transform->shape, g->symbol);
+    const int status = filter_patches(g, g->symbol);
     if (!status) OF(added)(row, -1, g->core, on_circle, made, g->points);
     return status;
 }
@@ -83,7 +90,7 @@ static int OF(times_system)(const TwoGrids *g, const REAL *x, REAL *out)
 {
     REAL *on_circle = g->transform->real;
     OF(multiplied)(g->stiffness, x, on_circle, g->points);
-    const int status = filter(g->transform, g->transform->shape, g->compliance);
+    const int status = filter_patches(g, g->compliance);
     if (!status) OF(added)(x, 1, g->there, on_circle, out, g->points);
     return status;
 }
@@ -95,20 +102,21 @@ static int OF(solved)(TwoGrids *g)
     const long n = g->points;
     REAL *rows = g->rows, *made = g->made;
     double cosines[INNER], sines[INNER], right[INNER + 1], triangle[INNER * INNER], parts[INNER];
-    const double first = sqrt(OF(inner)(rows, rows, n));
-    double size = first;
-    int status;
+    double first, size;
+    int status = OF(inner_products)(g, rows, 1, rows, &size);
+    if (status) return status;
+    right[0] = first = size = sqrt(size);
     g->count = 0;
-    right[0] = first;
     while (g->count < INNER && size > 0.0) {
         const long place = g->count++;
         REAL *vector = rows + (place + 1) * n;
         if ((status = OF(times_core)(g, rows + place * n, 1.0 / size, made + place * n))) return status;
         if ((status = OF(times_system)(g, made + place * n, vector))) return status;
         double *column = g->matrix + place * (INNER + 1), turned[INNER + 1];
-        for (long j = 0; j <= place; j++) column[j] = OF(inner)(rows + j * n, vector, n);
+        if ((status = OF(inner_products)(g, rows, place + 1, vector, column))) return status;
         for (long j = 0; j <= place; j++) OF(moved)(vector, -column[j], rows + j * n, n);
-        size = column[place + 1] = sqrt(OF(inner)(vector, vector, n));
+        if ((status = OF(inner_products)(g, vector, 1, vector, &size))) return status;
+        size = column[place + 1] = sqrt(size);
         memcpy(turned, column, (place + 2) * sizeof *turned);
         for (long j = 0; j < place; j++) {
             const double above = turned[j], below = turned[j + 1];
@@ -148,7 +156,7 @@ static int OF(on_patches)(TwoGrids *g)
         rows[k] = mean;
         here[0] = moved - mean;
     }
-    if ((status = filter(g->transform, g->transform->shape, g->compliance))) return status;
+    if ((status = filter_patches(g, g->compliance))) return status;
     for (long k = 0; k < n; k++) rows[k] = ((const REAL *)g->there)[k] * (rows[k] - on_circle[k]);
     if ((status = OF(solved)(g))) return status;
     for (long k = 0; k < n; k++) sums[k] = sums[2 * k] + rows[k] / g->mean[k];

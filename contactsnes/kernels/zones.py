@@ -17,6 +17,19 @@ SIDE_BY_SIDE = 8
 """Rows of doubles that are blurred side by side, as core_zone.c has it."""
 
 
+def answers(kernel, fields):
+    """What this process has of the sums over nodes of what the law answers to fields.
+
+    Parameters
+    ----------
+    kernel : CompiledForm
+    fields : array (components, nodes)
+    """
+    sums = np.empty(len(fields))
+    kernel.library.answers(kernel.reference, address(fields), address(sums))
+    return sums
+
+
 class CompiledZone:
     """The preconditioner of a compiled form, or of one under arc length.
 

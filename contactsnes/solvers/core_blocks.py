@@ -87,26 +87,39 @@ class InPatches(CoreBlock):
         nodes : array of intc, their numbers in the window
         """
         places = window.places[nodes] if isinstance(window, Nodes) else nodes
-        rows, columns = np.divmod(places, np.intc(window.shape[1]))
-        # patches are those of the cell, whose rows one process has
-        for line, start in zip((rows, columns), window.start):
+        lines = self._nodes = np.divmod(places, np.intc(window.shape[1]))
+        for line, start in zip(lines, window.start):
             line += start
-            line -= window.grid.lowest(line) // self.apart * self.apart
-        self._nodes = rows, columns
-        return [1 - window.grid.lowest(-line) for line in self._nodes]
+        extents = []
+        for line, (lowest, highest) in zip(lines, window.grid.ends(lines)):
+            # patches are those of the cell, whose rows one process has
+            first = lowest // self.apart * self.apart
+            line -= first
+            extents.append(highest + 1 - first)
+        return extents
 
     def _lay_out(self, window):
         """Find the patches of the nodes on the circle."""
         rows, columns = self._nodes
         for line in self._nodes:
             line //= self.apart
-        here = (int(rows.min()), int(np.ptp(rows)) + 1) if rows.size else (0, 0)
-        self.transform = window.grid.placed(self.transform, *here)
-        rows -= here[0]
+        nodes = self._nodes_of = window.grid
+        self._grid = nodes.of_circle(self.transform.shape)
+        if self._grid is nodes:
+            here = (int(rows.min()), int(np.ptp(rows)) + 1) if rows.size else (0, 0)
+            self.transform = nodes.placed(self.transform, *here)
+            rows -= here[0]
         rows *= self.transform.real.shape[-1]
         rows += columns
         self._patch = rows
         del self._nodes
+
+    def _complete(self, sums):
+        """Sums over patches, of nodes that are here, as those of all of their nodes, in place: of
+        a circle that every process has, others have nodes."""
+        if self._grid is not self._nodes_of:
+            self._nodes_of.add_up(sums)
+        return sums
 
 
 class PatchedBlock(InPatches):
@@ -134,24 +147,23 @@ class PatchedBlock(InPatches):
         return self._locate(window, self.core)
 
     def circle(self, single):
-        """(transform, G - g over the nodes of a patch) of the circle, perhaps in single
-        precision."""
+        """(transform, G - g over the nodes of a patch, where patches of the core's nodes are) of
+        the circle, perhaps in single precision."""
         made = single in self._symbols
-        plan, symbol = super().circle(single)
+        plan, found = super().circle(single)
         if not made:
-            np.subtract((1.0 - self._within) / plan.gain, symbol, out=symbol)
-            symbol /= self.apart ** 2
-        return plan, symbol
+            np.subtract((1.0 - self._within) / plan.gain, found, out=found)
+            found /= self.apart ** 2
+            found = self._symbols[single] = plan.fitting(found), plan.places(self._patch)
+        return plan, *found
 
     def apply(self, field, single=False):
         """Replace a field (nodes) by M^-1 field: two transforms of the core's circle."""
-        plan, symbol = self.circle(single)
-        circle, weighted = plan.real.reshape(-1), self._into * field[self.core]
-        circle[...] = np.bincount(self._patch, weighted, circle.size)
+        plan, symbol, places = self.circle(single)
+        sums = plan.sums_at(places, self.core, self._into, field)
+        plan.real.reshape(-1)[...] = self._complete(sums)
         plan.filter(symbol)
-        weighted *= self._within
-        weighted += circle[self._patch]
-        field[self.core] -= self._into * weighted
+        plan.subtract_nodes(places, self.core, self._into, self._within, field)
 
 
 class CoupledBlock:

@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..grid.patches import taken
+from ..kernels.zones import answers
 from ..options.fields import Options, option
 from .core_blocks import CoreBlock, CoupledBlock, PatchedBlock, inverse
 
@@ -120,6 +121,8 @@ class CoreZone:
     def _response(self, field):
         """Sum over nodes of the law's linear response to a field, for the components with a
         scalar."""
+        if self.form.kernel and self._scale is None:
+            return self.grid.together(answers(self.form.kernel, field))[self.means]
         return self._sum(self.form.stiffen(field, self.form.work))[self.means]
 
     def apply(self, vector, out, single=False):

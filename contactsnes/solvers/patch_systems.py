@@ -57,17 +57,18 @@ class Patches(InPatches):
 
     def __init__(self, form, component, pad, single):
         super().__init__(form, component, None, None, pad)
-        self._grid, self.softest = form.grid, np.nan
+        self.softest = np.nan
         self.between = compliance_between(form.contact, component, APART)
         plan = self._plan = self.transform.single if single else self.transform
-        compiled = form.contact.kernels.compiled and not form.grid.shared
+        compiled = form.contact.kernels.compiled
         if compiled:
             self._patch = np.ascontiguousarray(plan.places(self._patch), dtype=np.int32)
-        nodes = (patch_nodes(self._patch, plan.real.size) if compiled
-                 else self._sums(None).astype(float))
+        nodes = (self._complete(patch_nodes(self._patch, plan.real.size)) if compiled
+                 else self._sums(None))
         self._number, self._there = np.maximum(nodes, 1.0), nodes > 0.0
+        parted = form.grid.shared and self._grid is form.grid
         self.library = OnTwoGrids(form.grid, plan, self._patch, self._number, self._area, LEFT,
-                                  WITHIN * self.between) if compiled else None
+                                  WITHIN * self.between, parted) if compiled else None
 
     def _find(self, window, weight, scale):
         """Take all nodes; their extents."""
@@ -84,8 +85,8 @@ class Patches(InPatches):
         ------
         Unsuited : where no patch is stiff
         """
-        weigh = self.library.weigh if self.library else self._weigh
-        inverse = weigh(tangent)
+        inverse = (self._complete(self.library.weigh(tangent)) if self.library
+                   else self._weigh(tangent))
         mean = np.where(self._there, inverse / self._number, 1.0)
         # (c D q = 1 - q)
         within = np.where(self._there, self._number - inverse, 0.0) / (WITHIN * self.between)
@@ -100,7 +101,8 @@ class Patches(InPatches):
 
     def _sums(self, values):
         """Sums of values at nodes over each patch; of None, how many nodes it has."""
-        return np.bincount(self._patch, values, self._plan.real.size)
+        sums = np.bincount(self._patch, values, self._plan.real.size)
+        return self._complete(sums.astype(float, copy=False))  # (of no nodes they are integers)
 
     def _weigh(self, tangent):
         """As `kernels.two_grids.OnTwoGrids.weigh`."""
@@ -133,7 +135,7 @@ class Patches(InPatches):
         inverse = plan.inverted(compliance, [mean])
         exact = inverse.astype(float)
         symbols = ((1.0 / (plan.gain * exact) - 1.0) / (mean * plan.gain), 1.0 / plan.gain - exact)
-        return core, *(map(plan.fitting, symbols) if self.library else symbols)
+        return core, *map(plan.fitting, symbols)
 
     def _filtered(self, symbol, values):
         """A symbol times values on patches, in memory of the transform."""

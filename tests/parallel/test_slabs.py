@@ -13,15 +13,14 @@ from contactsnes.grid.cell import Grid
 from contactsnes.grid.nearest import nearest
 from contactsnes.grid.numbers import numbers_of, restored
 from contactsnes.grid.slab_transform import shares
-from contactsnes.grid.slabs import Slabs
 from contactsnes.grid.spots import corrected_count, labelled, sizes
-from contactsnes.grid import transfer
+from contactsnes.grid import slabs, transfer
 from contactsnes.grid.transfer import refined, resampled, smooth
 from contactsnes.interface.gap import is_convex
 from contactsnes.solvers.core_blocks import CoreBlock, PatchedBlock
 
 shape, periods = (46, 32), (5.0, 4.0)
-shared, alone = Slabs(shape, periods, MPI.COMM_WORLD), Grid(shape, periods)
+shared, alone = slabs.Slabs(shape, periods, MPI.COMM_WORLD), Grid(shape, periods)
 random = np.random.default_rng(1)
 cell = random.normal(size=(2, *shape))
 mask = smooth(alone.whole, (cell[0] > 0.8).reshape(-1), 0.2).reshape(shape) > 0.35
@@ -112,11 +111,12 @@ def inverted(grid, rows, columns, circle, single, scattered):
     weight[rows, columns] = 0.2 + random_weight[rows, columns]
     chosen = np.flatnonzero(part_of(grid)(weight)) if scattered else slice(None)
     window = some(grid.whole, chosen) if scattered else grid.whole
+    points = grid.of_circle(circle) if scattered else grid
     form = SimpleNamespace(window=window, components=1, contact=SimpleNamespace(
         grid=grid, body=SimpleNamespace(diagonal=symbols), ranges=[1.0],
         circle=lambda component, extents, *rest: (
-            (grid.circle or grid.transform)(grid, circle, 1),
-            grid.symbols(symbols, 1, circle)[0, 0])))
+            (points.circle or points.transform)(points, circle, 1),
+            points.symbols(symbols, 1, circle)[0, 0])))
     make = PatchedBlock if scattered else CoreBlock
     block = make(form, 0, part_of(grid)(weight).reshape(-1)[chosen], np.array([2.0]), 1.0)
     field = part_of(grid)(cell[0]).reshape(-1)[chosen].copy()
@@ -138,7 +138,7 @@ for rows, columns, circle in ((slice(3, 12), slice(5, 20), (12, 18)),
                               (slice(0, 46), slice(0, 32), shape),
                               (slice(10, 40), slice(7, 8), (46, 3)),
                               (slice(22, 24), slice(0, 31), (5, 32))):
-    for scattered in (False, True):
+    for scattered, slabs.GATHERED in ((False, 0), (True, 0), (True, 2 ** 14)):
         for single in (False, True):
             here, whole = (inverted(grid, rows, columns, circle, single, scattered)
                            for grid in (shared, alone))
