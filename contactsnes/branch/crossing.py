@@ -8,7 +8,7 @@ import numpy as np
 
 from ..contact import places, states
 from ..contact.acceptance import strayed
-from ..contact.energies import far_displacements, stored, weights
+from ..contact.energies import far_displacements, stored, straight, weights
 from ..continuation.points import Crossing, Leg, NotConverged, NoWayBack
 from ..continuation.turning import sides, way
 from ..dynamics import jumps
@@ -97,7 +97,8 @@ def _crossed(system, last, load, beyond, where, narrower):
     def told(begin, before):
         at = load + begin * (beyond - load)
         behind = _lower(system, before, _back(system, ahead, at))
-        return Crossing(begin, 1.0, before, behind and with_works(behind, ahead), ahead.state)
+        return Crossing(begin, 1.0, before, behind and _with_works(system, (last, before),
+                                                                   (ahead, behind)), ahead.state)
 
     try:
         return told(0.0, last)
@@ -149,8 +150,24 @@ def _along(system, last, ahead):
             return None
     except (NotConverged, NoWayBack):
         return None
-    return Crossing(before.position, 1.0, before, behind and with_works(behind, ahead),
-                    ahead.state)
+    return Crossing(before.position, 1.0, before, behind and _with_works(
+        system, (last, before), (ahead, behind)), ahead.state)
+
+
+def _with_works(system, begun, ended):
+    """The point behind a jump with the works of the motion through its bracket; that on the
+    interface is from the jump's own begin to its own end.
+
+    Parameters
+    ----------
+    system : Corrector
+    begun, ended : pairs of points: where the motion begins and the jump does, where each ends
+    """
+    contact, (ahead, behind) = system.contact, ended
+    ways = sum(sign * straight(contact, first.state, last.state)
+               for sign, (first, last) in ((-1.0, begun), (1.0, ended)) if first is not last)
+    done = contact.grid.node_area * ways @ weights(contact, len(ways))
+    return with_works(behind, replace(ahead, jump_work=float(ahead.jump_work + done)))
 
 
 def _way(system, first, last):

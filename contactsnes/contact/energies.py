@@ -25,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..interface.laws.law import slip_of
-from .interface_work import between
+from .interface_work import between, corners
 from .states import onto
 from .work_along import MOST, path_work
 
@@ -37,6 +37,9 @@ PART = 2 ** 14
 
 FAR_PANELS = 60
 """Panels of a quadrature over a way of twice the law's range."""
+
+LOCATED = 1e-6
+"""Precision of a fold up to which a jump's motion begins under its load."""
 
 WORKS = ("external_work", "interface_work", "dissipated_work", "energy_imbalance")
 """What is summed up along a path."""
@@ -170,6 +173,9 @@ class PathEnergies:
         else:
             last = self.trail[-1]
             if self._same(entry, last):
+                # how closely a fold is known that the last point turns out to be
+                self.trail[-1] = last._replace(point=last.point.changed(
+                    fold_precision=point.fold_precision))
                 return point.changed(smooth_steps=last.point.smooth_steps,
                                      **{name: getattr(last.point, name) for name in WORKS})
             out_of_range = point.event == "fold" and not (point.in_contact or point.tangents)
@@ -207,6 +213,10 @@ class PathEnergies:
             balance = "unknown" if np.isnan(point.jump_work) else "motion"
             if abs(left - interface - point.viscous_work) > point.viscous_work >= 0.0:
                 interface = left - point.viscous_work
+            if before.fold_precision > LOCATED:
+                # The motion ran under another load, which does more than a small jump loses.
+                ways = corners(self.contact, before.state, point.state)
+                interface = np.clip(interface, *sorted(ways @ self._weights[:ways.shape[1]]))
         lost = left - interface
         return self._summed(point, before, external, interface, lost, jump_balance=balance)
 

@@ -9,10 +9,12 @@ from ..kernels import points
 from ..kernels.laws import kernel_of
 from .state import everywhere
 from .states import with_components
-from .work_along import TWINS, gauss, line_rule
+from .work_along import MOST, TWINS, gauss, line_rule
 
 PART = 2 ** 11
 """Nodes whose work is found at a time, some four states and six places each."""
+SHORT_WAYS = 4
+"""Parts of a straight way of a jump's nodes, each with a rule of `MOST` places."""
 CHORD = 2
 """Places of a rule on a chord."""
 ASTRAY = 0.25
@@ -55,6 +57,49 @@ def between(contact, states, first):
                                             else points.works_along(kernel, *given))
     work, straight, doubt = contact.grid.node_area * sums
     return np.where(np.abs(work - straight) <= ASTRAY * doubt, work, straight)
+
+
+def corners(contact, first, last):
+    """Works done on the interface from one state to another, for each component, phi_i, array (2,
+    components): where all nodes move along the normal first and then slip, and the reverse.
+
+    Works of ways without detours lie between: where hardly anything slips, both are the same.
+
+    Parameters
+    ----------
+    contact : Contact
+    first, last : State
+    """
+    count, sums = max(first.components, last.components), 0.0
+    known = [with_components(state, count) for state in (first, last)]
+    for grid, nodes, (start, end), mask in everywhere(contact, known):
+        weights = np.ones(start.shape[1]) if mask is None else mask.astype(float)
+        weights = weights * grid.weights if nodes.even else weights
+        ways = ((start, np.concatenate([corner[:1], other[1:]]), end)
+                for corner, other in ((end, start), (start, end)))
+        sums = sums + contact.grid.together(np.array(
+            [_straight(contact.law, way, contact.gap_on(nodes), weights) for way in ways]))
+    return contact.grid.node_area * sums
+
+
+def _straight(law, places, initial_gap, weights):
+    """Work on nodes summed up, along the straight ways from place to place: for each component,
+    phi_i over the area of a node.
+
+    Parameters
+    ----------
+    law : Law
+    places : displacements (components, nodes), one after the other
+    initial_gap, weights : arrays (nodes,)
+    """
+    work, (abscissas, shares) = 0.0, gauss(MOST)
+    for start, way in ((one, other - one) for one, other in zip(places, places[1:])):
+        for part in np.arange(SHORT_WAYS):
+            for place, share in zip((part + 0.5 * (1.0 + abscissas)) / SHORT_WAYS, shares):
+                gap = start + place * way
+                gap[0] += initial_gap
+                work = work + 0.5 / SHORT_WAYS * share * ((law.traction(gap) * way) @ weights)
+    return work
 
 
 def _squares(known, weights):

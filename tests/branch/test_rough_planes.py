@@ -199,6 +199,14 @@ def test_jumps_end_where_motion_of_everything_does(pressed, folds):
         assert states.missed(system.contact, fold.state, back.state, largest=True) > 0.3
 
 
+def test_works_of_jumps_are_from_their_own_begin_to_their_own_end(folds):
+    """The motion runs beyond the bracket's far side, from another point and to another one; the
+    potential tells what a jump itself does."""
+    for fold, jump in folds:
+        done = jump.interfacial_energy - fold.interfacial_energy
+        assert jump.jump_work == pytest.approx(done, rel=5e-3)
+
+
 def test_jumps_lose_energy_and_are_told_with_their_places(pressed, folds):
     branch, _, said = pressed
     for fold, jump in folds:

@@ -11,7 +11,7 @@ from contactsnes import Branch, Contact, Form, Load, NoEquilibrium, Scene, Steps
 from contactsnes.commands.progress import Progress
 from contactsnes.contact import states
 from contactsnes.contact.energies import PathEnergies, stored, straight
-from contactsnes.contact.interface_work import between
+from contactsnes.contact.interface_work import between, corners
 from contactsnes.contact.observables import observe
 from contactsnes.contact.state import State
 from contactsnes.contact.work_along import apart, gauss, held, line_rule, line_work, path_work
@@ -383,6 +383,38 @@ def test_a_jump_without_potential_needs_the_works_along_its_motion():
                 and known.energy_imbalance == pytest.approx(before.energy_imbalance))
         assert known.dissipated_work == pytest.approx(lost)
         assert known.interface_work - before.interface_work == pytest.approx(free - lost)
+
+
+def test_the_loss_of_a_jump_in_a_bracket_is_one_that_ways_without_detours_have():
+    """A short step of hardly any slip as a jump under the loads of its begin: these do less than
+    body and interface take up by half of what they change, whatever another motion tells."""
+    contact, found, _ = points({}, "tangential_displacement=4")
+    before, after = found[-2], replace(found[-1], event="jump")
+    fold = replace(before, event="fold", fold_precision=1e-3)
+    missing = -0.5 * (after.forces - before.forces) @ (after.displacements - before.displacements)
+    for told in (0.7, -0.7):
+        works = PathEnergies(contact, found[-4:-1])
+        lost = works.completed(fold).dissipated_work
+        lost = works.completed(replace(after, jump_work=told)).dissipated_work - lost
+        assert lost == pytest.approx(missing, rel=1e-2)
+
+
+def test_ways_around_corners_do_what_their_straight_parts_do():
+    """In each part one component alone moves, so that its own traction does the work."""
+    contact, found, _ = points({}, "tangential_displacement=4")
+    first, last = states.with_components(found[0].state, 2), found[-1].state
+    (start, end), law = (states.onto(state, last.window) for state in (first, last)), contact.law
+    start, end = start.copy(), end.copy()
+    for displacement in (start, end):
+        displacement[0] += last.window.take(contact.initial_gap)
+    for own, middle in zip(corners(contact, first, last), ([end[0], start[1]], [start[0], end[1]])):
+        done = np.zeros(2)
+        for one, other in ((start, np.array(middle)), (np.array(middle), end)):
+            places = np.linspace(0.0, 1.0, 4001)
+            rates = [np.sum(law.traction(one + place * (other - one)) * (other - one), axis=1)
+                     for place in places]
+            done += np.trapz(rates, places, axis=0)
+        np.testing.assert_allclose(own, contact.grid.node_area * done, rtol=1e-5, atol=1e-9)
 
 
 # Loops
