@@ -71,16 +71,17 @@ def rough(contact, components):
     return components == 1 and many(contact)
 
 
-def control(contact, components, beside):
+def control(contact, symmetry, components, beside):
     """The `Control` of a motion.
 
     Parameters
     ----------
     contact, components : as of `rough`
+    symmetry : symmetry.Symmetry
     beside : bool, whether it begins beside an equilibrium
     """
-    if not many(contact):
-        return FOLLOWED
-    if not rough(contact, components):
-        return SHEARED
-    return ROUGHLY if beside else FREELY
+    if rough(contact, components):
+        return ROUGHLY if beside else FREELY
+    # what is left by solves on all nodes is not even, as states are where some components are odd
+    odd = symmetry.holds(components) and not symmetry.plain(components)
+    return SHEARED if many(contact) and beside and not odd else FOLLOWED

@@ -106,7 +106,7 @@ class OverdampedMotion:
         self.measured = True
         self.works = np.zeros((2, len(controls)))
         self.fastest = 0.0
-        self._control = control(contact, len(controls), elastic is not None)
+        self._control = control(contact, symmetry, len(controls), elastic is not None)
         self._begin(0.0, state, elastic)
 
     def _begin(self, time, state, elastic=None):
