@@ -133,8 +133,8 @@ def sweep(scene, load, *, folder="sweep", jobs=1, steps=None, form=None, fields=
     ended = (joblib.Parallel(n_jobs=jobs, prefer="threads", return_as="generator")(
         joblib.delayed(_run)(*task) for task in tasks) if joblib else (_run(*task)
                                                                        for task in tasks))
-    for values, path, reason in tqdm(ended, total=len(tasks), disable=not progress, unit="run"):
-        found.take_in(values, path, reason)
+    for values, path, why in tqdm(ended, total=len(tasks), disable=not progress, unit="run"):
+        found.take_in(values, path, why)
     return found
 
 
