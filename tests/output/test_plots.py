@@ -186,6 +186,13 @@ def test_numbers_at_ticks_are_text_and_their_power_of_ten_is_not(tmp_path):
         assert "10^{7}" in axes.yaxis.get_offset_text().get_text()
 
 
+def test_what_needs_fields_says_that_none_are_stored(tmp_path):
+    archive_of(tmp_path / "run.h5", [(jkr(half_width), ()) for half_width in (2.0, 3.0)])
+    skipped = plot(tmp_path / "run.h5").skipped
+    assert all("no fields are stored" in skipped[kind]
+               for kind in ("maps", "outlines", "profiles", "spots"))
+
+
 def test_a_sheared_line_contact_has_all_figures_but_maps(tmp_path):
     rows = [jkr(half_width) for half_width in np.linspace(1.5, 6.3, 20)] + shear()
     line_archive(tmp_path / "run.h5", rows)

@@ -103,6 +103,18 @@ def describe(stored):
             else "none (-archive_fields all keeps them)")
 
 
+def need_plane(record):
+    """Raise NothingToShow where fields are those of an interface of one dimension; of one that has
+    none, `fields` says so.
+
+    Parameters
+    ----------
+    record : Readable
+    """
+    if len(record.coordinates) == 1:
+        raise NothingToShow("the interface has one dimension")
+
+
 def fields(record, chosen, kind="f8"):
     """Gap and traction at the chosen points.
 

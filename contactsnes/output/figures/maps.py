@@ -10,7 +10,7 @@ from matplotlib.colors import Normalize, TwoSlopeNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from .data import NothingToShow, contact_region, fields
+from .data import contact_region, fields, need_plane
 from .style import WIDTH
 from .words import label, names, number
 
@@ -35,8 +35,7 @@ with what stands below."""
 def draw_maps(record, chosen):
     """Figure of the gap, the pressure and the tangential traction over a two-dimensional
     interface."""
-    if len(record.coordinates) < 2:
-        raise NothingToShow("the interface has one dimension")
+    need_plane(record)
     chosen = chosen if len(chosen) <= 3 else [chosen[0], chosen[len(chosen) // 2], chosen[-1]]
     maps = fields(record, chosen)
     gaps = [gap for gap, _ in maps]

@@ -5,7 +5,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from .data import NothingToShow, contact_region, fields, shear, varies
+from .data import NothingToShow, contact_region, fields, need_plane, shear, varies
 from .parts import pieces, place_legend
 from .style import BLUE, DASHED, GREY, VERMILION, WIDTH, colours
 from .words import column_label, label, names
@@ -78,8 +78,7 @@ def _draw(axes, record, load, part, columns):
 
 def draw_outlines(record, chosen):
     """Figure of where the contact ends at the chosen points, over each other."""
-    if len(record.coordinates) < 2:
-        raise NothingToShow("the interface has one dimension")
+    need_plane(record)
     found = fields(record, chosen)
     shown = [(point, gap) for point, (gap, _) in zip(chosen, found)
              if np.min(gap) < record.contact_gap < np.max(gap)]

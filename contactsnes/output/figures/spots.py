@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
 from ...grid.spots import labelled, sizes
-from .data import NothingToShow, choose_points, fields
+from .data import NothingToShow, choose_points, fields, need_plane
 from .maps import draw_map
 from .parts import place_legend
 from .style import WIDTH, colours
@@ -25,8 +25,7 @@ def draw_spots(record, points):
     """Figure of the spots at that of some points (by default events, and where there are most
     spots) which has the most, numbered from the largest on; and the number of spots above each size
     at all of these points."""
-    if len(record.coordinates) < 2:
-        raise NothingToShow("the interface has one dimension")
+    need_plane(record)
     chosen = choose_points(record, points)
     if points is None and "spots" in record and record.field_points:
         stored = list(record.field_points)
