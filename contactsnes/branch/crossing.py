@@ -8,7 +8,8 @@ import numpy as np
 
 from ..contact import places, states
 from ..contact.acceptance import strayed
-from ..contact.energies import far_displacements, stored, straight, weights
+from ..contact.energies import weights
+from ..contact.interface_work import released, straight
 from ..continuation.points import Crossing, Leg, NotConverged, NoWayBack
 from ..continuation.turning import sides, way
 from ..dynamics import jumps
@@ -166,8 +167,8 @@ def _with_works(system, begun, ended):
     contact, (ahead, behind) = system.contact, ended
     ways = sum(sign * straight(contact, first.state, last.state)
                for sign, (first, last) in ((-1.0, begun), (1.0, ended)) if first is not last)
-    done = contact.grid.node_area * ways @ weights(contact, len(ways))
-    return with_works(behind, replace(ahead, jump_work=float(ahead.jump_work + done)))
+    done = float(ways @ weights(contact, len(ways)))
+    return with_works(behind, replace(ahead, jump_work=ahead.jump_work + done))
 
 
 def _way(system, first, last):
@@ -181,15 +182,14 @@ def _lower(system, before, behind):
 
     Raises
     ------
-    NoWayBack : where it has more energy, so that under its load it is the other state to which a
-        body would jump
+    NoWayBack : where it has more energy, or nothing is released on the straight way to it, so that
+        under its load it is the other state to which a body would jump
     """
     contact = system.contact
     if states.missed(contact, before.state, behind.state, largest=True) < SAME:
         return None
-    kept, reached = (sum(stored(contact, point)) for point in (before, behind))
-    moved = far_displacements(contact, behind) - far_displacements(contact, before)
-    if reached - kept - weights(contact, len(moved)) @ (before.forces * moved) > 0.0:
+    free = released(contact, before.state, behind.state)
+    if not free @ weights(contact, len(free)) > 0.0:
         raise NoWayBack("the branch beyond a refused step leads back to more energy")
     return behind
 

@@ -25,8 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..interface.laws.law import slip_of
-from .interface_work import between, corners
-from .states import onto
+from .interface_work import FAR_PANELS, between, corners, straight
 from .work_along import MOST, path_work
 
 STICKING = 1e-6
@@ -34,9 +33,6 @@ STICKING = 1e-6
 
 PART = 2 ** 14
 """Nodes whose energies are found at a time."""
-
-FAR_PANELS = 60
-"""Panels of a quadrature over a way of twice the law's range."""
 
 LOCATED = 1e-6
 """Precision of a fold up to which a jump's motion begins under its load."""
@@ -120,27 +116,6 @@ def _potential(contact, state, each):
     return found
 
 
-def straight(contact, first, last, panels=1):
-    """Work done on the interface on the straight way between two states, for each component: sum
-    over nodes, phi_i.
-
-    By Gauss and Legendre's rule of five points in each of some equal panels.
-
-    Parameters
-    ----------
-    contact : Contact
-    first, last : State; the way is on the window of the last
-    panels : equal parts of the way
-    """
-    start, gap = onto(first, last.window), np.zeros_like(last.displacement)
-    gap[0] = last.window.take(contact.initial_gap)
-    way, (places, shares) = last.displacement - start, np.polynomial.legendre.leggauss(5)
-    return sum(0.5 / panels * share * contact.grid.sum(contact.law.traction(gap + start
-                                                                            + part * way) * way)
-               for panel in range(panels)
-               for part, share in zip((panel + 0.5 * (1.0 + places)) / panels, shares))
-
-
 class PathEnergies:
     """Energies and works of the points of a path, which are told in their order; needs the last
     four of them.
@@ -215,10 +190,25 @@ class PathEnergies:
                 interface = left - point.viscous_work
             if before.fold_precision > LOCATED:
                 # The motion ran under another load, which does more than a small jump loses.
-                ways = corners(self.contact, before.state, point.state)
-                interface = np.clip(interface, *sorted(ways @ self._weights[:ways.shape[1]]))
+                interface = self._bounded(interface, before.state, point.state, left)
         lost = left - interface
         return self._summed(point, before, external, interface, lost, jump_balance=balance)
+
+    def _bounded(self, interface, before, after, left):
+        """Work of a jump on the interface as ways without detours do it; where that leaves less
+        than nothing to be lost, as the straight one does.
+
+        Parameters
+        ----------
+        interface : float, what the motion did under another load
+        before, after : State, at both ends of the jump
+        left : float, what interface and losses take together
+        """
+        ways = np.array([straight(self.contact, before, after),
+                         *corners(self.contact, before, after)])
+        works = ways @ self._weights[:ways.shape[1]]
+        interface = np.clip(interface, works.min(), works.max())
+        return works[0] if interface > left else interface
 
     def _after_release(self, entry, last):
         """The point out of the law's range at which a force vanishes: too far from ``last`` for a
@@ -231,8 +221,7 @@ class PathEnergies:
         if np.isnan(interface):
             # backwards: out of its range the law needs no window to speak of
             back = straight(self.contact, point.state, before.state, FAR_PANELS)
-            interface = -float(self.contact.grid.node_area * back
-                               @ weights(self.contact, len(back)))
+            interface = -float(back @ weights(self.contact, len(back)))
         external = interface + point.elastic_energy - before.elastic_energy
         return self._summed(point, before, external, interface, 0.0)
 

@@ -1,6 +1,7 @@
 """Work done on the interface along a path, summed up over its nodes: by its tractions alone, so
 that it tests the balance of energies where the law has no potential."""
 
+import math
 from functools import cache
 
 import numpy as np
@@ -8,13 +9,17 @@ import numpy as np
 from ..kernels import points
 from ..kernels.laws import kernel_of
 from .state import everywhere
-from .states import with_components
-from .work_along import MOST, TWINS, gauss, line_rule
+from .states import missed, with_components
+from .work_along import TWINS, gauss, line_rule
 
 PART = 2 ** 11
 """Nodes whose work is found at a time, some four states and six places each."""
+PLACES = 5
+"""Places of a rule on a part of a straight way."""
 SHORT_WAYS = 4
-"""Parts of a straight way of a jump's nodes, each with a rule of `MOST` places."""
+"""Parts of a straight way of a jump's nodes."""
+FAR_PANELS = 60
+"""The same of a way of twice the law's range, or longer."""
 CHORD = 2
 """Places of a rule on a chord."""
 ASTRAY = 0.25
@@ -59,6 +64,37 @@ def between(contact, states, first):
     return np.where(np.abs(work - straight) <= ASTRAY * doubt, work, straight)
 
 
+def straight(contact, first, last, panels=None):
+    """Work done on the interface on the straight way from one state to another, for each component,
+    phi_i.
+
+    Parameters
+    ----------
+    contact : Contact
+    first, last : State
+    panels : equal parts of the way, each with a rule of `PLACES` places; None: one for each range
+        that a node moves where the law acts, at most `FAR_PANELS`
+    """
+    return _done(contact, first, last, _panels(panels or _ranges(contact, first, last)))
+
+
+def released(contact, first, last):
+    """What the straight way from one equilibrium to another under the same loads releases, for each
+    component, phi_i: less than nothing where it leads to more energy.
+
+    The body balances the tractions of the law at both ends, and linearly in between, so that it is
+    what these do less than linear ones. No potential is asked for: where the law has one, it is the
+    difference of energies, loads included.
+
+    Parameters
+    ----------
+    contact, first, last : as of `straight`
+    """
+    places, shares = _panels(_ranges(contact, first, last))
+    return _done(contact, first, last, (np.append(places, (0.0, 1.0)),
+                                        np.append(-shares, (0.5, 0.5))))
+
+
 def corners(contact, first, last):
     """Works done on the interface from one state to another, for each component, phi_i, array (2,
     components): where all nodes move along the normal first and then slip, and the reverse.
@@ -67,38 +103,67 @@ def corners(contact, first, last):
 
     Parameters
     ----------
-    contact : Contact
-    first, last : State
+    contact, first, last : as of `straight`
+    """
+    def around(start, end):
+        return np.concatenate([start[:1], end[1:]])
+
+    return np.array([_done(contact, first, last, _panels(SHORT_WAYS), corner)
+                     for corner in (lambda start, end: around(end, start), around)])
+
+
+def _ranges(contact, first, last):
+    """Panels of a way, one for each range that a node moves."""
+    return min(max(math.ceil(missed(contact, first, last, largest=True)), 1), FAR_PANELS)
+
+
+@cache
+def _panels(count):
+    """Places on a way, from 0 to 1, and their shares: Gauss and Legendre's rule in each of so many
+    equal parts."""
+    abscissas, shares = gauss(PLACES)
+    places = (np.arange(count)[:, None] + 0.5 * (1.0 + abscissas)) / count
+    return places.ravel(), np.tile(0.5 / count * shares, count)
+
+
+def _done(contact, first, last, rule, corner=None):
+    """Work done on the interface from one state to another, for each component, phi_i: straight, or
+    by a corner.
+
+    Parameters
+    ----------
+    contact, first, last : as of `straight`
+    rule : as of `_panels`
+    corner : function (displacements at both ends) -> those where the way turns
     """
     count, sums = max(first.components, last.components), 0.0
     known = [with_components(state, count) for state in (first, last)]
     for grid, nodes, (start, end), mask in everywhere(contact, known):
         weights = np.ones(start.shape[1]) if mask is None else mask.astype(float)
         weights = weights * grid.weights if nodes.even else weights
-        ways = ((start, np.concatenate([corner[:1], other[1:]]), end)
-                for corner, other in ((end, start), (start, end)))
-        sums = sums + contact.grid.together(np.array(
-            [_straight(contact.law, way, contact.gap_on(nodes), weights) for way in ways]))
+        way = (start, end) if corner is None else (start, corner(start, end), end)
+        sums = sums + contact.grid.together(
+            _straight(contact.law, way, contact.gap_on(nodes), weights, rule))
     return contact.grid.node_area * sums
 
 
-def _straight(law, places, initial_gap, weights):
+def _straight(law, known, initial_gap, weights, rule):
     """Work on nodes summed up, along the straight ways from place to place: for each component,
     phi_i over the area of a node.
 
     Parameters
     ----------
     law : Law
-    places : displacements (components, nodes), one after the other
+    known : displacements (components, nodes), one after the other
     initial_gap, weights : arrays (nodes,)
+    rule : as of `_panels`
     """
-    work, (abscissas, shares) = 0.0, gauss(MOST)
-    for start, way in ((one, other - one) for one, other in zip(places, places[1:])):
-        for part in np.arange(SHORT_WAYS):
-            for place, share in zip((part + 0.5 * (1.0 + abscissas)) / SHORT_WAYS, shares):
-                gap = start + place * way
-                gap[0] += initial_gap
-                work = work + 0.5 / SHORT_WAYS * share * ((law.traction(gap) * way) @ weights)
+    work = 0.0
+    for start, way in ((one, other - one) for one, other in zip(known, known[1:])):
+        for place, share in zip(*rule):
+            gap = start + place * way
+            gap[0] += initial_gap
+            work = work + share * ((law.traction(gap) * way) @ weights)
     return work
 
 

@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from ..contact import states
-from ..contact.energies import FAR_PANELS, straight, weights
+from ..contact.energies import weights
 from ..contact.force_form import ForceForm
+from ..contact.interface_work import FAR_PANELS, straight
 from ..continuation.points import NoEquilibrium, NotConverged
 from ..options.database import read
 from ..solvers.capabilities import has_modes
@@ -148,8 +149,9 @@ def by_creep(system, state, controls, load, origin, options):
     point = at_rest(system, motion, controls, load)
     if not motion.measured:
         return point
-    motion.works[0] += straight(contact, origin, state, 1 if beside else FAR_PANELS)
-    works = contact.grid.node_area * motion.works @ weights(contact, len(controls))
+    works = contact.grid.node_area * motion.works
+    works[0] += straight(contact, origin, state, 1 if beside else FAR_PANELS)
+    works = works @ weights(contact, len(controls))
     return replace(point, jump_work=float(works[0]),
                    viscous_work=float(works[1]) if beside else math.nan)
 

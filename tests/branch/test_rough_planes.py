@@ -217,6 +217,22 @@ def test_jumps_lose_energy_and_are_told_with_their_places(pressed, folds):
         folds)
 
 
+@pytest.mark.parametrize("residual_friction", [0.0, 0.5])
+def test_no_jump_leads_to_more_energy_where_the_law_has_no_potential(residual_friction):
+    """Of two states under one load, of a contact that slides at once, the way there is one, and the
+    way back none."""
+    scene = Scene(points=512, period=40.0, normal_maugis=2.0, tangential_maugis=2.0, height=2.0,
+                  residual_friction=residual_friction)
+    branch = Branch(scene, Load("normal_displacement=0.5", "tangential_displacement=6"))
+    points = list(branch)
+    fold, jump = next(pair for pair in zip(points, points[1:]) if pair[1].event == "jump")
+    assert np.isnan(stored(branch.contact, jump)[1])
+    assert crossing._lower(branch.corrector, fold, jump) is jump
+    assert crossing._lower(branch.corrector, jump, jump) is None
+    with pytest.raises(NoWayBack, match="more energy"):
+        crossing._lower(branch.corrector, jump, fold)
+
+
 @pytest.fixture(scope="module")
 def located(heights, tmp_path_factory):
     """The first fold of the branch, located."""

@@ -11,8 +11,8 @@ from scipy.integrate import trapezoid
 from contactsnes import Branch, Contact, Form, Load, NoEquilibrium, Scene, Steps
 from contactsnes.commands.progress import Progress
 from contactsnes.contact import states
-from contactsnes.contact.energies import PathEnergies, stored, straight
-from contactsnes.contact.interface_work import between, corners
+from contactsnes.contact.energies import PathEnergies, stored
+from contactsnes.contact.interface_work import between, corners, released, straight
 from contactsnes.contact.observables import observe
 from contactsnes.contact.state import State
 from contactsnes.contact.work_along import apart, gauss, held, line_rule, line_work, path_work
@@ -337,11 +337,28 @@ def test_work_on_a_straight_way_is_the_difference_of_a_potential():
     contact = Branch(Scene(points=64, period=12.0, normal_maugis=2.0),
                      Load(path="normal_displacement=0.1")).contact
     near, far = states.undeformed(contact, ("displacement",), [0.5]), states.apart(contact)
-    potential = [contact.grid.sum(contact.law.potential(state.displacement + contact.initial_gap))
-                 for state in (near, far)]
+    potential = [contact.grid.node_area * contact.grid.sum(contact.law.potential(
+        state.displacement + contact.initial_gap)) for state in (near, far)]
     errors = [abs(straight(contact, near, far, panels)[0] / (potential[1] - potential[0]) - 1.0)
               for panels in (4, 8, 60)]
     assert errors[1] < 0.05 * errors[0] and errors[2] < 1e-9
+
+
+@pytest.mark.parametrize("changes, start, path", [
+    ({"normal_maugis": 5.0}, "normal_displacement=-3", "normal_displacement=-1"),
+    ({"height": 2.0, "residual_friction": 0.0, "tangential_maugis": 2.0},
+     "normal_displacement=0.5", "tangential_displacement=6")])
+def test_a_jump_releases_what_it_dissipates(changes, start, path):
+    """Both ends tell, whether the law has a potential or not; what the way there is like matters in
+    the fourth digit. The way back would take as much."""
+    contact, found, _ = points(changes, path, start)
+    fold, jump = next(pair for pair in zip(found, found[1:]) if pair[1].event == "jump")
+    free = [released(contact, *ends) @ ratios(contact)[:len(fold.forces)]
+            for ends in ((fold.state, jump.state), (jump.state, fold.state))]
+    lost = jump.dissipated_work - fold.dissipated_work
+    known = not np.isnan(jump.interfacial_energy)
+    assert free[0] == pytest.approx(lost, rel=1e-6 if known else 5e-3)
+    assert free[1] == pytest.approx(-free[0], rel=1e-9)
 
 
 @pytest.mark.parametrize("changes", [
