@@ -16,6 +16,9 @@ LEVEL = 1e-7
 """Slope of the friction over its peak up to which it no longer depends on the slip."""
 ONWARD = 0.1
 """Further slip, ranges, at which it does not either: at its peak friction has no slope."""
+SLACK = 1e-6
+"""Traction over the law's peak, or change of it, that is none: what a solve leaves of a balance is
+less."""
 
 
 class Ends:
@@ -114,6 +117,35 @@ class Ends:
             return nearing.held(self.contact, point.state)
         free = point.controls[0] == FORCE and not point.in_contact
         return nearing.within_range(self.contact, point.state) if free else None
+
+    def neutral(self, point):
+        """The component of a body in contact that a force holds, and in which it may be moved as a
+        whole, off the flat or on the way it slid, to other equilibria: no traction changes that a
+        force balances. None for any other.
+
+        Parameters
+        ----------
+        point : Point
+        """
+        contact, state = self.contact, point.state
+        forced = [i for i, control in enumerate(point.controls) if control == FORCE]
+        # what is pressed down, or sticks, is held
+        free = [i for i in forced if (point.sliding if i else
+                                      contact.survey(state).pressure < SLACK)]
+        if not point.in_contact or not free:
+            return None
+        gap, law = survey.gaps(contact, state), contact.law
+        before = law.traction(gap)
+        least = SLACK * np.array([law.normal_peak, *[law.tangential_peak] * (len(gap) - 1)])
+        for i in free:
+            moved, changed = gap.copy(), 0.0
+            for step in (ONWARD, 1.0 - ONWARD):
+                moved[i] += np.copysign(step, state.means[i] if i else 1.0)
+                changed = max(changed, contact.grid.maximum(np.abs(
+                    law.traction(moved) - before)[forced] / least[forced, None], initial=0.0))
+            if changed < 1.0:
+                return i
+        return None
 
     def _acts_nowhere(self, state):
         """Whether the law neither pulls nor pushes at any gap around a state's, to rounding: slip

@@ -35,10 +35,11 @@ class Remarks:
         self._log = log
         self._ways = {}
         self._diluted = False
+        self._free = set()
 
     def marked(self, point):
         """A point with what by-products tell of its stability; from now on the last one."""
-        point = self._not_held(self._not_stable(point))
+        point = self._neutral(self._not_held(self._not_stable(point)))
         self.last = point
         self._tell_of_dilution(point)
         return point
@@ -58,6 +59,22 @@ class Remarks:
                       f"of {point.state.window.total} nodes: the mean hides what "
                       "is wrong in a few of them; a smaller -snes_atol "
                       "balances these, too")
+
+    def _neutral(self, point):
+        """A point marked as not stable, and told once, where nothing holds the body as a whole."""
+        component = self.corrector.neutral(point)
+        if component is None:
+            return point
+        if component not in self._free:
+            self._free.add(component)
+            self._log(f"at {self.corrector.told(point.controls, point.load)} nothing holds the "
+                      f"body {'along' if component else 'to'} the flat: moved as a whole "
+                      f"{'on its way' if component else 'off it'}, by up to a range of the law, it "
+                      "is in equilibrium under the same forces. This point is one of many, "
+                      "neither stable nor unstable, and the way there decides on which; a "
+                      f"{'tangential' if component else 'normal'} displacement that is prescribed "
+                      "in place of the force tells them apart")
+        return point.changed(stable=0)
 
     def tell_of_reversal(self, leg):
         """Say once that a tangential load which turns back makes no hysteresis by itself."""

@@ -298,3 +298,24 @@ def test_a_body_at_the_peak_of_its_friction_does_not_glide():
     peak = points[-1].changed(state=states.State(window, moved, moved.mean(axis=1)),
                               controls=(DISPLACED, FORCED))
     assert branch.corrector.within_range(peak) is None
+
+
+@pytest.mark.parametrize("changes, path, told", [
+    ({}, "normal_force=0", ["to"]), ({"residual_friction": 0.0}, "normal_force=0", ["to"]),
+    ({}, "normal_force=0; tangential_force=0", ["to", "along"]),
+    ({"residual_adhesion": 0.3}, "normal_force=0", []), ({}, "normal_force=1", [])])
+@pytest.mark.parametrize("stability", ["off", "sign"])
+def test_a_body_that_nothing_holds_is_told(changes, path, told, stability):
+    """After sliding nothing is left of the adhesion: lifted under no force, the body stays where it
+    is put; and under what its friction has left it glides. Certificates see the side on which the
+    flat bears it."""
+    scene = replace(LINE, points=256, period=40.0, height=5.0, normal_maugis=2.0, **changes)
+    said, steps = [], Steps(stability=stability)
+    _, points = followed(f"normal_force=2; tangential_displacement=60; {path}", scene, steps,
+                         "normal_displacement=0.5", log=said.append)
+    found = [sentence for sentence in said if "nothing holds the body" in sentence]
+    assert len(found) == len(told)
+    assert all(f"holds the body {way} the flat" in text for way, text in zip(told, found))
+    last = [point for point in points if point.leg == 3][-1]
+    assert last.stable == (0 if told else 1 if stability == "sign" else -1)
+    assert all(point.stable != 0 for point in points if point.leg < 3 and point.event != "fold")
