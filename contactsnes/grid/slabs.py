@@ -198,6 +198,10 @@ class Slabs(SlabFields, Grid):
         self.comm.Allgather(own, every)
         return np.add.reduce(every, axis=0)
 
+    def sum_up(self, numbers):
+        """Take the sums over processes in place of an array of numbers."""
+        numbers[...] = self.together(numbers)
+
     def add_up(self, numbers):
         """Sum up an array over processes, in place, of whose numbers each but one has zero: it is
         the same on all, then."""

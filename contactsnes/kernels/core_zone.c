@@ -752,16 +752,17 @@ int precondition_in_single(Zone *z, const float *vector, float *out)
     for (long row = 0; row < q; row++) {
         const long i = z->means[row];
         if (!is_forced(f, i)) right[row] *= f->rigid[i] / f->size;
-        for (long k = 0; k < f->forced_count; k++)
+        for (long k = 0; k < f->held; k++)
             if (f->forced[k] == i) right[row] += vector[m * n + k] / (f->row_scale[i] * f->root);
     }
+    if (q && (status = add_up(f, right, q))) return status;
     for (long row = 0; row < q; row++) {
         double mean = 0.0;
         for (long k = 0; k < q; k++) mean += z->inverse[row * q + k] * right[k];
         add_column(mean, z->columns + row * n, out + z->means[row] * n, n);
         scalar[z->means[row]] = mean * f->root;
     }
-    for (long k = 0; k < f->forced_count; k++) out[m * n + k] = scalar[f->forced[k]];
+    for (long k = 0; k < f->held; k++) out[m * n + k] = scalar[f->forced[k]];
     return 0;
 }
 

@@ -174,8 +174,8 @@ static int asks_for_sums(const Form *f)
     return asks;
 }
 
-/* Puts what some nodes after the other are filled with in the transform of r, and sums it up where that is
-   asked for. */
+/* Puts what some nodes after the other are filled with in the transform of r, and adds it to sums where these
+   are asked for. */
 static void put(const Form *f, const Response *r, const void *vector, Fill fill, double *sum)
 {
     const long m = f->components, rows = r->shape[0], c = r->on_circle ? f->nodes : r->shape[1];
@@ -183,7 +183,6 @@ static void put(const Form *f, const Response *r, const void *vector, Fill fill,
     const long most = ((c + parts - 1) / parts + 7) / 8 * 8; /* of a row's parts: vectors of a processor */
     const int sums_up = asks_for_sums(f);
     double part[MOST * PART];
-    memset(sum, 0, m * sizeof *sum);
     for (long i = 0; i < m && r->on_circle; i++) clear_field(r->transform, i);
     for (long line = 0; line < lines; line++)
         for (long first = 0; first < c; first += most) {
@@ -219,28 +218,45 @@ static const Response *chosen(const Form *f)
     return f->single ? f->quick : f->response;
 }
 
-/* Tractions at an unknown, in the transform; their sums over the cell, or what of it is here. */
-void begin_residual(Form *f, const double *unknown, double *sum)
+/* Sums over processes of numbers, in place, where these share out the nodes. */
+int add_up(const Form *f, double *numbers, long count)
 {
+    return f->add_up ? f->add_up(numbers, count) : 0;
+}
+
+/* Of a vector whose scalars are its `tail`, or part of it: the sums over the cell, of which those of the nodes
+   that are here stand in numbers, and behind these the scalars, on all processes. */
+static int totals(const Form *f, const double *tail, double *numbers)
+{
+    for (long row = 0; row < f->forced_count; row++) numbers[MOST + row] = row < f->held ? tail[row] : 0.0;
+    return asks_for_sums(f) ? add_up(f, numbers, MOST + f->forced_count) : 0;
+}
+
+/* Tractions at an unknown, in the transform; their sums over the cell, and the unknown's scalars. */
+int begin_residual(Form *f, const double *unknown, const double *tail, double *numbers)
+{
+    memset(numbers, 0, MOST * sizeof *numbers);
     f->evaluations++;
-    put(f, f->response, unknown, fill_tractions, sum);
-    memcpy(f->total, sum, sizeof f->total);
+    put(f, f->response, unknown, fill_tractions, numbers);
     if (f->ahead) memcpy(f->last, unknown, f->components * f->nodes * sizeof *unknown);
     f->known = f->ahead != 0;
+    int status = totals(f, tail, numbers);
+    memcpy(f->total, numbers, sizeof f->total);
+    return status;
 }
 
 int residual(Form *f, const double *unknown, double *out)
 {
     const long n = f->nodes, m = f->components;
-    double sum[MOST], mean[MOST];
-    begin_residual(f, unknown, sum);
-    int status = convolve(f->response, 0);
-    if (status) return status;
-    f->answered = f->response->transform->counter[0] + f->response->transform->counter[2];
+    const double *counter = f->response->transform->counter;
+    double sum[2 * MOST], *scalars = sum + MOST, mean[MOST];
+    int status = begin_residual(f, unknown, unknown + m * n, sum);
+    if (status || (status = convolve(f->response, 0))) return status;
+    f->answered = counter[0] + counter[2];
     for (long i = 0; i < m; i++) mean[i] = f->far[i] - f->rigid[i] * sum[i] / f->size;
-    for (long row = 0; row < f->forced_count; row++) mean[f->forced[row]] = unknown[m * n + row];
+    for (long row = 0; row < f->forced_count; row++) mean[f->forced[row]] = scalars[row];
     assemble(f, f->response, mean, 1.0 / f->root, unknown, out);
-    for (long row = 0; row < f->forced_count; row++) {
+    for (long row = 0; row < f->held; row++) {
         const long i = f->forced[row];
         out[m * n + row] = f->row_scale[i] * sum[i] - f->target[i];
     }
@@ -270,11 +286,13 @@ void linearise(Form *f, const double *unknown)
     }
 }
 
-/* The law's answer to a vector, in the transform; its sums over the cell, or what of it is here. */
-void begin_product(Form *f, const double *vector, double *sum)
+/* What a vector is filled with, in the transform; its sums over the cell, and the vector's scalars. */
+static int begin_product(Form *f, const void *vector, Fill fill, const double *tail, double *numbers)
 {
+    memset(numbers, 0, MOST * sizeof *numbers);
     f->products++;
-    put(f, chosen(f), vector, fill_stiffened, sum);
+    put(f, chosen(f), vector, fill, numbers);
+    return totals(f, tail, numbers);
 }
 
 /* Means of a product by the sums of what the law answers, and a vector's scalars. */
@@ -294,13 +312,12 @@ static double force_row(const Form *f, long row, const double *sum, const double
 int product(Form *f, const double *vector, double *out)
 {
     const long count = f->components * f->nodes;
-    double sum[MOST], mean[MOST];
-    begin_product(f, vector, sum);
-    int status = convolve(chosen(f), 0);
-    if (status) return status;
-    means_of(f, sum, vector + count, mean);
+    double sum[2 * MOST], *scalars = sum + MOST, mean[MOST];
+    int status = begin_product(f, vector, fill_stiffened, vector + count, sum);
+    if (status || (status = convolve(chosen(f), 0))) return status;
+    means_of(f, sum, scalars, mean);
     assemble(f, chosen(f), mean, 1.0, vector, out);
-    for (long row = 0; row < f->forced_count; row++) out[count + row] = force_row(f, row, sum, vector + count);
+    for (long row = 0; row < f->held; row++) out[count + row] = force_row(f, row, sum, scalars);
     return 0;
 }
 
@@ -308,12 +325,10 @@ int product(Form *f, const double *vector, double *out)
 int product_in_single(Form *f, const float *vector, float *out)
 {
     const long n = f->nodes, m = f->components, rows = f->response->shape[0], c = f->response->shape[1];
-    double sum[MOST], mean[MOST], scalars[MOST], row[c];
-    f->products++;
-    put(f, chosen(f), vector, fill_stiffened_in_single, sum);
-    int status = convolve(chosen(f), 0);
-    if (status) return status;
-    widen(vector + m * n, scalars, f->forced_count);
+    double sum[2 * MOST], *scalars = sum + MOST, mean[MOST], tail[MOST], row[c];
+    widen(vector + m * n, tail, f->held);
+    int status = begin_product(f, vector, fill_stiffened_in_single, tail, sum);
+    if (status || (status = convolve(chosen(f), 0))) return status;
     means_of(f, sum, scalars, mean);
     for (long i = 0; i < m; i++)
         for (long j = 0; j < rows; j++) {
@@ -322,19 +337,12 @@ int product_in_single(Form *f, const float *vector, float *out)
             take_row(chosen(f)->transform, i, j, mean[i], 1.0, f->scale ? f->scale + j * c : 0, row, row, c);
             narrow(row, out + at, c);
         }
-    for (long k = 0; k < f->forced_count; k++) out[m * n + k] = force_row(f, k, sum, scalars);
+    for (long k = 0; k < f->held; k++) out[m * n + k] = force_row(f, k, sum, scalars);
     return 0;
 }
 
-/* A vector, in the transform; its sums over the cell, or what of it is here. */
-void begin_transposed(Form *f, const double *vector, double *sum)
-{
-    f->products++;
-    put(f, chosen(f), vector, fill_vector, sum);
-}
-
 /* out = vector + D^T scale (response - mean) */
-CLONES void end_transposed(Form *f, const double *mean, const double *vector, double *out)
+CLONES static void end_transposed(Form *f, const double *mean, const double *vector, double *out)
 {
     const long nodes = f->nodes, m = f->components;
     double part[MOST * PART];
@@ -354,25 +362,19 @@ CLONES void end_transposed(Form *f, const double *mean, const double *vector, do
     }
 }
 
-/* out = (response - mean) factor + own, of a response that was made by others than `convolve` */
-void end_product(const Form *f, const double *mean, double factor, const double *own, double *out)
-{
-    assemble(f, chosen(f), mean, factor, own, out);
-}
-
 int transposed_product(Form *f, const double *vector, double *out)
 {
     const long m = f->components, n = f->nodes;
-    double sum[MOST], mean[MOST];
-    begin_transposed(f, vector, sum);
+    double sum[2 * MOST], *scalars = sum + MOST, mean[MOST];
+    int status = begin_product(f, vector, fill_vector, vector + m * n, sum);
+    if (status) return status;
     for (long i = 0; i < m; i++) mean[i] = -f->rigid[i] / f->size * sum[i];
     for (long row = 0; row < f->forced_count; row++) {
         const long i = f->forced[row];
-        mean[i] = -f->row_scale[i] * f->root * vector[m * n + row];
-        out[m * n + row] = -sum[i] / f->root;
+        mean[i] = -f->row_scale[i] * f->root * scalars[row];
+        if (row < f->held) out[m * n + row] = -sum[i] / f->root;
     }
-    int status = convolve(chosen(f), 1);
-    if (status) return status;
+    if ((status = convolve(chosen(f), 1))) return status;
     end_transposed(f, mean, vector, out);
     return 0;
 }

@@ -8,6 +8,7 @@ import weakref
 import numpy as np
 
 from . import structures
+from .asked import raise_error, sums
 from .laws import kernel_of
 from .responses import response
 from .slab_even import SlabEvenReal
@@ -33,12 +34,12 @@ def twin(form, half, scale=None):
     transform = getattr(half.convolution, "transform", None)
     if law is None or not isinstance(transform, (Compiled, SlabReal, SlabEvenReal)):
         return None
-    return (SharedForm if half.grid.shared else CompiledForm)(form, half, law, scale)
+    return CompiledForm(form, half, law, scale)
 
 
 def call(function, counter, *arguments):
     """Call what transforms; RuntimeError where these are more than a limit, or PETSc, which it may
-    ask, has failed.
+    ask, has failed, and what Python raised that was asked.
 
     Parameters
     ----------
@@ -50,6 +51,7 @@ def call(function, counter, *arguments):
     if status == TOO_MANY:
         counter.check()
     if status:
+        raise_error()
         raise RuntimeError(f"the library's {function.__name__} failed with status {status}")
 
 
@@ -92,7 +94,9 @@ class CompiledForm:
                             "far": half.far, "row_scale": half.row_scale, "target": half.row_target,
                             "drag": half.drag}.items():
             setattr(own, name, address(array))
-        own.law = ctypes.pointer(law.structure)
+        own.law, own.held = ctypes.pointer(law.structure), form.size - half.count
+        if self.grid.shared:
+            own.add_up = sums(self.grid.sum_up)
         own.response = ctypes.pointer(self._response)
         self._quick = None
         self.reference = ctypes.addressof(own)
@@ -127,14 +131,13 @@ class CompiledForm:
         answered : bool, whether the response to their tractions is in the transform (`answers`)
         """
         numbers, scalars = np.empty(3), np.ascontiguousarray(scalars, dtype=float)
-        displacement, row = np.ascontiguousarray(displacement), self._row()
+        displacement, row = np.ascontiguousarray(displacement), np.empty(self._response.shape[1])
         call(self.library.imbalance, self.grid.counter, self.reference, address(displacement),
              address(scalars), reach, address(row), address(numbers), answered)
+        if self.grid.shared:
+            numbers[0] = self.grid.together(numbers[0])
+            numbers[1:] = self.grid.largest(numbers[1:])
         return math.sqrt(numbers[0]), float(numbers[1]), numbers[2] > 0.0
-
-    def _row(self):
-        """Room for a row of a box."""
-        return np.empty(self._response.shape[1])
 
     def linearise(self, unknown):
         """Take the law's tangent at the unknown."""
@@ -193,107 +196,4 @@ class CompiledForm:
         """out = a function of the library of a vector, in a precision."""
         self.set_precision(single)
         call(function, self.grid.counter, self.reference, address(vector), address(out))
-        return out
-
-
-class SharedForm(CompiledForm):
-    """The same where processes share out the nodes: what each node has for itself is the library's,
-    transforms and sums are the grid's, and scalars are where that keeps them.
-
-    Parameters
-    ----------
-    form, half, law, scale : as of `CompiledForm`
-    """
-
-    def __init__(self, form, half, law, scale):
-        super().__init__(form, half, law, scale)
-        self._sums = np.empty(half.components)
-
-    def _totals(self, begin, vector):
-        """Sums over the cell of what a function of the library puts in the transform; 0 where a
-        rigid body under displacement control asks for none."""
-        begin(self.reference, address(vector), address(self._sums))
-        return self._together()
-
-    def _together(self):
-        """The sums of all processes."""
-        half = self.half
-        asked = len(half.forced) or half.rigid_compliance.any()
-        return self.grid.together(self._sums) if asked else np.zeros(half.components)
-
-    def _respond(self, single, transposed=False):
-        """What stands in the transform times the operator."""
-        response, (transform, *_) = self._quick if single else (self._response, self._kept[0])
-        transform.respond(response, transposed)
-
-    def residual(self, unknown, out):
-        """F."""
-        half, self.structure.single = self.half, False
-        total = self._totals(self.library.begin_residual, unknown)
-        self._respond(False)
-        self.structure.answered = self.grid.counter.made
-        mean = half.far - half.rigid_compliance * total / self.grid.size
-        mean[half.forced] = half.scalars(unknown)
-        self.library.end_product(self.reference, address(mean), 1.0 / half.root, address(unknown),
-                                 address(out))
-        rows = half.row_scale * total - half.row_target
-        out[half.count:] = self.grid.held(rows[half.forced])
-        return out
-
-    def imbalance(self, displacement, scalars, reach, answered=False):
-        """Norm of F, the largest imbalance and whether the law acts, at the nodes of all processes.
-
-        Parameters
-        ----------
-        displacement, scalars, reach, answered : as of `CompiledForm`
-        """
-        half, found, grid = self.half, np.empty(3), self.grid
-        displacement, row = np.ascontiguousarray(displacement), self._row()
-        if answered:
-            self._sums[:] = self.structure.total[:half.components]
-            total = self._together()
-        else:
-            total = self._totals(self.library.begin_imbalance, displacement)
-            self._respond(False)
-        mean = half.far - half.rigid_compliance * total / grid.size
-        mean[half.forced] = scalars
-        self.library.end_imbalance(self.reference, address(displacement), address(mean), reach,
-                                   address(row), address(found))
-        rows = (half.row_scale * total - half.row_target)[half.forced]
-        squares, largest = grid.together(found[0]) + rows @ rows, grid.largest(found[1:])
-        return math.sqrt(squares), float(largest[0]), bool(largest[1])
-
-    def apply_jacobian(self, vector, out, single=False):
-        """out = J vector.
-
-        Parameters
-        ----------
-        vector, out, single : as of `CompiledForm`
-        """
-        self.set_precision(single)
-        half, forced = self.half, self.half.forced
-        total = self._totals(self.library.begin_product, vector)
-        self._respond(single)
-        mean, scalars = -half.rigid_compliance * total / self.grid.size, half.scalars(vector)
-        mean[forced] = scalars / half.root
-        self.library.end_product(self.reference, address(mean), 1.0, address(vector), address(out))
-        out[half.count:] = self.grid.held(half.row_scale[forced] * (total[forced] * half.root
-                                                                    + half.drag[forced] * scalars))
-        return out
-
-    def apply_transpose(self, vector, out, single=False):
-        """out = J^T vector.
-
-        Parameters
-        ----------
-        vector, out, single : as of `CompiledForm`
-        """
-        self.set_precision(single)
-        half, forced = self.half, self.half.forced
-        total = self._totals(self.library.begin_transposed, vector)
-        self._respond(single, True)
-        mean = -half.rigid_compliance * total / self.grid.size
-        mean[forced] = -half.row_scale[forced] * half.root * half.scalars(vector)
-        self.library.end_transposed(self.reference, address(mean), address(vector), address(out))
-        out[half.count:] = self.grid.held(-total[forced] / half.root)
         return out

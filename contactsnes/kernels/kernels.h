@@ -52,6 +52,9 @@ typedef struct { /* of `count` fields on a circle of shape[0] x shape[1] points 
     void *columns, *columns_back; /* plans; those of rows are `forward` and `backward` */
     void *block;
     double cost, *counter; /* of one transform; transforms so far, their limit, and those in single precision */
+    /* Of slabs, whose rows processes exchange: Python's, which counts it; null in one process. What stands here,
+       zero beyond what is used, times the symbols of a Response, or other real ones, in place. */
+    int (*multiply)(const void *response, const void *symbol, int transposed);
 } Transform;
 
 typedef struct { /* a circulant operator times fields on boxes of shape[0] x shape[1] nodes */
@@ -83,8 +86,8 @@ typedef struct { /* DisplacementForm, or EvenForm: an unknown is scale times tha
     long components, nodes, forced_count, forced[MOST], evaluations, products, known;
     long single; /* whether products and their preconditioner are in single precision */
     double root, size;
-    double total[MOST], answered; /* tractions of the last residual, as far as they are here; the count of
-                                     transforms then: as long as it stands, the response is in the transform */
+    double total[MOST], answered; /* tractions of the last residual over the cell; the count of transforms then:
+                                     as long as it stands, the response is in the transform */
     const double *scale, *unscale, *weight; /* null where all are one */
     const double *initial_gap;
     double *tangent;
@@ -92,6 +95,8 @@ typedef struct { /* DisplacementForm, or EvenForm: an unknown is scale times tha
     const double *rigid, *far, *row_scale, *target, *drag; /* by component */
     Law *law;
     Response *response, *quick; /* quick: in single precision, on the same memory; or null */
+    long held;                  /* how many of its scalars are here: of processes the last one has all */
+    int (*add_up)(double *numbers, long count); /* sums of all processes, in place; null: one has all nodes */
 } Form;
 
 typedef struct { /* of the force form; spectra have `wide` doubles a wave: of even fields they are real */
@@ -153,7 +158,6 @@ typedef struct {
     double *matrix; /* of its last solve, column by column */
     long count;
     int (*add_up)(double *numbers, long count); /* numbers of all processes; null: one has all nodes */
-    int (*filter)(const void *symbol); /* where processes have some patches each; null: each has all */
 } TwoGrids;
 
 typedef struct Zone Zone;
@@ -279,13 +283,10 @@ void widen(const float *x, double *out, long n);
 void narrow(const double *x, float *out, long n);
 int product_in_single(Form *f, const float *vector, float *out);
 int precondition_in_single(Zone *z, const float *vector, float *out);
-void begin_residual(Form *f, const double *unknown, double *sum);
-void begin_product(Form *f, const double *vector, double *sum);
-void begin_transposed(Form *f, const double *vector, double *sum);
+int add_up(const Form *f, double *numbers, long count);
 void assemble(const Form *f, const Response *r, const double *mean, double factor, const double *own,
               double *out);
-void end_product(const Form *f, const double *mean, double factor, const double *own, double *out);
-void end_transposed(Form *f, const double *mean, const double *vector, double *out);
+int begin_residual(Form *f, const double *unknown, const double *tail, double *numbers);
 int residual(Form *f, const double *unknown, double *out);
 void linearise(Form *f, const double *unknown);
 int product(Form *f, const double *vector, double *out);

@@ -183,7 +183,7 @@ static void add_in_single(long count, long from, long n, const void *const *rows
     }
 }
 
-/* vector -= sum over k of factors[k] times row k; its length then */
+/* vector -= sum over k of factors[k] times row k; its inner product with itself then */
 static double subtract_in_single(long count, long size, const void *const *rows, const double *const *scales,
                                  const double *factors, float *vector)
 {
@@ -193,7 +193,7 @@ static double subtract_in_single(long count, long size, const void *const *rows,
         add_in_single(count, from, n, rows, scales, -1.0, factors, vector + from);
         found += square_in_single(n, vector + from);
     }
-    return sqrt(found);
+    return found;
 }
 
 CLONES static void round_single(long n, float *restrict v, double factor, short *restrict row, double *scale)
@@ -232,30 +232,41 @@ static void keep(long size, float *vector, double factor, void *row, double *sca
                      scales + from / PIECE);
 }
 
+/* The vector less what rows hold of it: found, its products with them and with itself, and its length then. */
+static int leave_rows(const Form *f, long count, long size, const void *const *rows, const double *const *scales,
+                      float *vector, double *found, double *length)
+{
+    products_in_single(count, size, rows, scales, vector, found);
+    int status = add_up(f, found, count + 1);
+    if (status) return status;
+    *length = subtract_in_single(count, size, rows, scales, found, vector);
+    status = add_up(f, length, 1);
+    *length = sqrt(*length);
+    return status;
+}
+
 /* An iteration: the vector times a factor becomes row number `place`; the preconditioner makes of it what fills
    `made`, which is rounded to short integers, `kept` with its scales, unless that is null; of the product with
    that the vector is what the rows leave. found: its products with these, and
    its length, 0 where they span it: what is shorter than `cancelled` times what it was is made orthogonal once
-   more, and nothing below `left`. work: as many numbers as rows. */
-int iterate(System *s, long place, long size, void *const *rows, double *const *scales, double factor,
+   more, and nothing below `left`. work: as many numbers as rows, and one more. */
+int iterate(Form *f, Zone *z, long place, long size, void *const *rows, double *const *scales, double factor,
             float *vector, float *made, short *kept, double *kept_scales, double cancelled, double left,
             double *found, double *work)
 {
     const void *const *known = (const void *const *)rows;
     const double *const *sizes = (const double *const *)scales;
     const long count = place + 1;
-    int status = choose(s, 0);
-    if (status) return status;
+    double length;
+    int status;
     keep(size, vector, factor, rows[place], scales ? scales[place] : 0);
-    if ((status = precondition_in_single(s->zone, vector, made))) return status;
+    if ((status = precondition_in_single(z, vector, made))) return status;
     if (kept) keep(size, made, 1.0, kept, kept_scales);
-    if ((status = product_in_single(s->form, made, vector))) return status;
-    products_in_single(count, size, known, sizes, vector, found);
+    if ((status = product_in_single(f, made, vector))) return status;
+    if ((status = leave_rows(f, count, size, known, sizes, vector, found, &length))) return status;
     const double before = sqrt(found[count]);
-    double length = subtract_in_single(count, size, known, sizes, found, vector);
     if (length < cancelled * before) {
-        products_in_single(count, size, known, sizes, vector, work);
-        length = subtract_in_single(count, size, known, sizes, work, vector);
+        if ((status = leave_rows(f, count, size, known, sizes, vector, work, &length))) return status;
         for (long k = 0; k < count; k++) found[k] += work[k];
     }
     found[count] = length > left * before ? length : 0.0;
@@ -287,18 +298,17 @@ static void widened(long size, double *vector)
 
 /* out = the sum of rows times factors or, if `asks`, what the preconditioner makes of that: in single
    precision, and in double at last. */
-int sum_up(System *s, long count, long size, const void *const *rows, const double *const *scales,
+int sum_up(Zone *z, long count, long size, const void *const *rows, const double *const *scales,
            const double *factors, int asks, float *vector, double *out)
 {
     float *sum = asks ? vector : (float *)out;
-    int status = choose(s, 0);
     for (long from = 0; from < size; from += PIECE) {
         const long n = size - from < PIECE ? size - from : PIECE;
         float piece[PIECE] = {0.0f};
         add_in_single(count, from, n, rows, scales, 1.0, factors, piece);
         memcpy(sum + from, piece, n * sizeof *piece);
     }
-    if (!status && asks) status = precondition_in_single(s->zone, vector, (float *)out);
+    const int status = asks ? precondition_in_single(z, vector, (float *)out) : 0;
     widened(size, out);
     return status;
 }

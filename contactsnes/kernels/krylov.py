@@ -1,7 +1,5 @@
 """Krylov vectors in single precision, or rounded, in the library."""
 
-import ctypes
-
 import numpy as np
 
 from ..grid.rounded import Rounded
@@ -62,15 +60,15 @@ def rounded(vector, row, factor=1.0):
                      address(row.scales))
 
 
-def steps_alone(system):
-    """Whether iterations of a linear solve can be the library's (`Iterations`).
+def steps_alone(kernel):
+    """Whether iterations of a linear solve of a form can be the library's (`Iterations`).
 
     Parameters
     ----------
-    system : structures.System
+    kernel : CompiledForm
     """
-    response = system.form.contents.response.contents
-    return not system.arc and response.boxes == 1 and not response.on_circle
+    response = kernel.structure.response.contents
+    return response.boxes == 1 and not response.on_circle
 
 
 class Iterations:
@@ -79,8 +77,9 @@ class Iterations:
 
     Parameters
     ----------
-    system : structures.System that `steps_alone`
-    counter : Counter of transforms
+    kernel : CompiledForm that `steps_alone`
+    zone : with the ``reference`` of its preconditioner in the library
+    choose : function that has both in the precision that the solve is in now
     begin : array, what the cycle begins with
     vectors : arrays to work in, the first of which may be that
     space : Basis in single precision, or `Short`
@@ -89,10 +88,10 @@ class Iterations:
     applied : what is called when the preconditioner was applied, or None
     """
 
-    def __init__(self, system, counter, begin, vectors, space, made, cancelled, left,
+    def __init__(self, kernel, zone, choose, begin, vectors, space, made, cancelled, left,
                  applied=None):
-        self._system, self._counter = ctypes.addressof(system), counter
-        self._applied = applied
+        self._kernel, self._zone, self._counter = kernel, zone, kernel.grid.counter
+        self._choose, self._applied = choose, applied
         self._vectors, self._bases, self._bounds = vectors, (space, made), (cancelled, left)
         shared().narrowed(len(begin), address(begin), address(vectors[0]))
 
@@ -110,9 +109,10 @@ class Iterations:
             else:
                 out = row
         room = np.empty((2, place + 2))
-        call(shared().iterate, self._counter, self._system, place, len(vector),
-             *space.rows.places(), factor, address(vector), address(out), *kept, *self._bounds,
-             address(room[0]), address(room[1]))
+        self._choose()
+        call(shared().iterate, self._counter, self._kernel.reference, self._zone.reference, place,
+             len(vector), *space.rows.places(), factor, address(vector), address(out), *kept,
+             *self._bounds, address(room[0]), address(room[1]))
         if self._applied:
             self._applied()
         return room[0]
@@ -125,7 +125,8 @@ class Iterations:
         factors : array, the part of each row
         """
         (space, made), (vector, work) = self._bases, self._vectors
-        call(shared().sum_up, self._counter, self._system, len(factors), len(vector),
+        self._choose()
+        call(shared().sum_up, self._counter, self._zone.reference, len(factors), len(vector),
              *(made or space).rows.places(), address(factors), made is None, address(vector),
              address(work))
 

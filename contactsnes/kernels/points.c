@@ -451,19 +451,21 @@ static Form plain_of(const Form *f)
     return plain;
 }
 
-/* Tractions at displacements, in the transform; their sums over the cell, or what of it is here. */
-void begin_imbalance(Form *f, const double *displacement, double *sum)
+/* Tractions at displacements, in the transform; their sums over the cell. */
+static int begin_imbalance(Form *f, const double *displacement, double *sum)
 {
     const long n = f->nodes, m = f->components;
+    const double no_scalars[MOST] = {0};
     Form plain = plain_of(f);
-    begin_residual(&plain, displacement, sum);
+    int status = begin_residual(&plain, displacement, no_scalars, sum);
     f->evaluations = plain.evaluations;
     if ((f->known = plain.known)) /* at the unknown that they are packed to */
         for (long k = 0; k < m * n; k++)
             f->last[k] = displacement[k] / f->root * (f->scale ? f->scale[k % n] : 1.0);
+    return status;
 }
 
-/* What the imbalances of a component at some nodes, x, add to the numbers of `end_imbalance`. */
+/* What the imbalances of a component at some nodes, x, add to the numbers of `imbalance`. */
 CLONES static void add_imbalances(const Form *f, const double *displacement, long at, long n, double reach,
                                   const double *restrict x, double *restrict numbers)
 {
@@ -484,7 +486,7 @@ CLONES static void add_imbalances(const Form *f, const double *displacement, lon
 
 /* Of the response to these: squares of F, the largest imbalance and at how many nodes the law acts, of the
    nodes here; a row at a time, for which there is room in `row`. */
-void end_imbalance(Form *f, const double *displacement, const double *mean, double reach, double *row,
+static void end_imbalance(Form *f, const double *displacement, const double *mean, double reach, double *row,
                    double *numbers)
 {
     const Response *r = f->response;
@@ -504,22 +506,21 @@ void end_imbalance(Form *f, const double *displacement, const double *mean, doub
 }
 
 /* What the equations say of displacements, and of the means of forced components: the sum of squares of F,
-   the largest imbalance at a node where the law acts, ranges, and at how many it does; row as above. Where
-   the response is that of the last residual, in the transform still, it is not made again. */
+   the largest imbalance at a node where the law acts, ranges, and at how many it does, of what is here; row
+   as above. Where the response is that of the last residual, in the transform still, it is not made again. */
 int imbalance(Form *f, const double *displacement, const double *scalars, double reach, double *row,
               double *numbers, int answered)
 {
-    double sum[MOST], mean[MOST];
-    if (answered) memcpy(sum, f->total, sizeof sum);
+    double sum[2 * MOST], mean[MOST];
+    if (answered) memcpy(sum, f->total, sizeof f->total);
     else {
-        begin_imbalance(f, displacement, sum);
-        int status = convolve(f->response, 0);
-        if (status) return status;
+        int status = begin_imbalance(f, displacement, sum);
+        if (status || (status = convolve(f->response, 0))) return status;
     }
     for (long i = 0; i < f->components; i++) mean[i] = f->far[i] - f->rigid[i] * sum[i] / f->size;
     for (long row = 0; row < f->forced_count; row++) mean[f->forced[row]] = scalars[row];
     end_imbalance(f, displacement, mean, reach, row, numbers);
-    for (long row = 0; row < f->forced_count; row++) {
+    for (long row = 0; row < f->held; row++) {
         const double missing = f->row_scale[f->forced[row]] * sum[f->forced[row]] - f->target[f->forced[row]];
         numbers[0] += missing * missing;
     }

@@ -209,6 +209,7 @@ class SlabFolded(OfLibrary):
             own.line[axis] = line.structure
             for field, signs in enumerate(odd):
                 own.odd[field][axis] = signs[axis]
+        self._serve()
 
     def _lay_out(self, comm, count, rows, kind):
         """Take memory, that of `SlabEvenReal`, and find what goes where.
@@ -236,13 +237,13 @@ class SlabFolded(OfLibrary):
         self._used = _used(rows)
         self._shares = Shares(comm, pairs, fields, memory)
 
-    def _multiply(self, response, symbol, transposed):
-        """What stands in the rows times the symbols of a response, or others, in place.
+    def multiply(self, response, symbol, transposed):
+        """What stands in the rows times the symbols of a response, or of `inverted`, in place.
 
         Parameters
         ----------
         response, symbol : addresses, one of which is None
-        transposed : bool
+        transposed : bool, whether the response's blocks are
         """
         rows, columns, shares = map(ctypes.addressof, (self.structure, self.spectral,
                                                        self._shares.structure))
@@ -253,20 +254,3 @@ class SlabFolded(OfLibrary):
         self.library.folded_columns(columns, shares, response, symbol, self._used, transposed)
         self._shares.take()
         self.library.folded_rows(rows, shares, number, 1)
-
-    def respond(self, response, transposed):
-        """What stands in the rows times an operator, or its transpose, in place.
-
-        Parameters
-        ----------
-        response : structure of the library, with the operator's symbols and the shape of what
-            stands there
-        transposed : bool
-        """
-        self.library.clear_beyond(ctypes.addressof(self.structure),
-                                  ctypes.addressof(response.shape))
-        self._multiply(ctypes.addressof(response), None, transposed)
-
-    def filter(self, symbol):
-        """What stands in the rows times symbols as of ``inverted``."""
-        self._multiply(None, address(symbol), False)

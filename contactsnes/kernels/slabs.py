@@ -2,6 +2,7 @@
 symbols of a response."""
 
 import ctypes
+import weakref
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from ..grid.active import Nodes
 from ..grid.fftw import pyfftw
 from ..grid.slab_transform import SlabTransform
 from . import structures
+from .asked import asked
 from .fftw import Rows
 from .library import shared
 from .lines import COLUMNS
@@ -23,6 +25,16 @@ class OfLibrary:
 
     fitting, folded = Compiled.fitting, None
     sums_at, subtract_nodes = Compiled.sums_at, Compiled.subtract_nodes
+
+    def _serve(self):
+        """Have the library ask for products."""
+        own, self.structure.counter = weakref.ref(self), address(self._grid.counter.numbers)
+        self.structure.multiply = asked(structures.Multiply,
+                                        lambda *given: own().multiply(*given))
+
+    def filter(self, symbol):
+        """What stands in the rows times symbols as of ``inverted``, in place."""
+        self.multiply(None, address(symbol), False)
 
     @property
     def spectral(self):
@@ -135,6 +147,7 @@ class SlabReal(OfLibrary, SlabTransform):
             spectrum=address(self.spectrum), block=address(self.block),
             there=self._plans.forward, back=self._plans.backward)
         self._reference = ctypes.addressof(self._columns)
+        self._serve()
 
     def places(self, numbers):
         """Where the library has the nodes of some numbers in ``real``."""
@@ -144,26 +157,20 @@ class SlabReal(OfLibrary, SlabTransform):
         """Transform the columns of waves."""
         self.library.along_columns(self._reference, not back, back, None, 0)
 
-    def respond(self, response, transposed):
-        """What stands in ``real`` times an operator, or its transpose, in place.
+    def multiply(self, response, symbol, transposed):
+        """What stands in ``real`` times the symbols of a response, or other real ones of its
+        precision, (count, *spectrum), in place.
 
         Parameters
         ----------
-        response : structure of the library, with the operator's symbols
-        transposed : bool
+        response, symbol : addresses, one of which is None
+        transposed : bool, whether the response's blocks are
         """
+        if symbol:
+            own = structures.Response(components=self._count)
+            for i in range(self._count):
+                own.symbol[i][i] = symbol + i * self.structure.waves * self.real.itemsize
+            response = ctypes.addressof(own)
         self._to_columns()
-        self.library.along_columns(self._reference, True, True, ctypes.addressof(response),
-                                   transposed)
+        self.library.along_columns(self._reference, True, True, response, transposed)
         self._from_columns()
-
-    def filter(self, symbol):
-        """What stands in ``real`` times real symbols of its precision, (count, *spectrum)."""
-        self.filter_by(*map(address, symbol))
-
-    def filter_by(self, *symbols):
-        """The same with the addresses of the symbols, one a field."""
-        response = structures.Response(components=self._count)
-        for i, symbol in enumerate(symbols):
-            response.symbol[i][i] = symbol
-        self.respond(response, False)

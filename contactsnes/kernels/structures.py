@@ -11,8 +11,8 @@ MOST = 3
 PATCHES = 3
 """Sizes of patches."""
 
-TOO_MANY = 83
-"""Status of a count of transforms beyond its limit."""
+TOO_MANY, FAILED = 83, 1
+"""Status of a count of transforms beyond its limit, and of what has gone wrong in Python."""
 
 
 NUMBERS = frozenset(map(np.dtype, (np.float64, np.complex128, np.float32, np.complex64, np.intc,
@@ -40,6 +40,11 @@ def address(array):
             else array.__array_interface__["data"][0])
 
 
+AddUp = ctypes.CFUNCTYPE(c_int, c_void_p, c_long)
+Multiply = ctypes.CFUNCTYPE(c_int, c_void_p, c_void_p, c_int)
+Missing = ctypes.CFUNCTYPE(c_int, c_long, c_long, c_long, c_long)
+
+
 class Law(ctypes.Structure):
     """A traction law."""
 
@@ -63,7 +68,7 @@ class Transform(ctypes.Structure):
                 ("odd", c_long * 2 * MOST), ("line", Line * 2), ("forward", c_void_p),
                 ("backward", c_void_p), ("packed", c_long), ("columns", c_void_p),
                 ("columns_back", c_void_p), ("block", c_void_p), ("cost", c_double),
-                ("counter", c_void_p)]
+                ("counter", c_void_p), ("multiply", Multiply)]
 
 
 class Response(ctypes.Structure):
@@ -102,7 +107,7 @@ class Form(ctypes.Structure):
                                                 "tangent", "ahead", "last", "rigid", "far",
                                                 "row_scale", "target", "drag")),
                 ("law", POINTER(Law)), ("response", POINTER(Response)),
-                ("quick", POINTER(Response))]
+                ("quick", POINTER(Response)), ("held", c_long), ("add_up", AddUp)]
 
 
 class Motion(ctypes.Structure):
@@ -153,10 +158,6 @@ class Blur(ctypes.Structure):
                 ("sums", c_void_p)]
 
 
-AddUp = ctypes.CFUNCTYPE(c_int, c_void_p, c_long)
-Filter = ctypes.CFUNCTYPE(c_int, c_void_p)
-
-
 class TwoGrids(ctypes.Structure):
     """One component on two grids."""
 
@@ -167,10 +168,7 @@ class TwoGrids(ctypes.Structure):
                 ("within", c_void_p), ("number", c_void_p), ("area", c_double),
                 ("left", c_double), ("compliant", c_double), ("sums", c_void_p),
                 ("rows", c_void_p), ("made", c_void_p), ("matrix", c_void_p),
-                ("count", c_long), ("add_up", AddUp), ("filter", Filter)]
-
-
-Missing = ctypes.CFUNCTYPE(c_int, c_long, c_long, c_long, c_long)
+                ("count", c_long), ("add_up", AddUp)]
 
 
 class Zone(ctypes.Structure):
@@ -219,7 +217,7 @@ class Libraries(ctypes.Structure):
                  "iterations", "eigenvalues", "print", "tolerances", "right_side", "norm")]
 
 
-STRUCTURES = {cls.__name__: cls for cls in (Law, Line, Transform, Response, Columns, Form,
+STRUCTURES = {cls.__name__: cls for cls in (Law, Line, Transform, Response, Shares, Columns, Form,
                                             Motion, Arc, Circle, Block, Blur, Zone, TwoGrids,
                                             Overdamped, System, Libraries)}
 """By the name that kernels.h gives them."""

@@ -142,6 +142,10 @@ static int back(Transform *t, const long *shape)
 int filter(Transform *t, const long *shape, const void *symbol)
 {
     int status;
+    if (t->multiply) {
+        clear_beyond(t, shape);
+        return t->multiply(0, symbol, 0);
+    }
     if (t->packed) {
         clear_beyond(t, shape);
         (t->even ? folded_multiply : packed_multiply)(t, 0, symbol, shape[0], 0);
@@ -179,6 +183,10 @@ int convolve(const Response *r, int transposed)
 {
     Transform *t = r->transform;
     int status;
+    if (t->multiply) {
+        if (t->packed) clear_beyond(t, r->shape); /* of others nodes are picked, and fields cleared */
+        return t->multiply(r, 0, transposed);
+    }
     if (t->packed) {
         clear_beyond(t, r->shape);
         (t->even ? folded_multiply : packed_multiply)(t, r, 0, r->shape[0], transposed);

@@ -9,7 +9,13 @@ enum { SOME = 1024 };  /* nodes whose fields stay in the cache */
 /* Symbols times what stands on the circle of patches, in place. */
 static int filter_patches(const TwoGrids *g, const void *symbol)
 {
-    return g->filter ? g->filter(symbol) : filter(g->transform, g->transform->shape, symbol);
+    return filter(g->transform, g->transform->shape, symbol);
+}
+
+/* Whether processes have some of the patches each, not all. */
+static int is_parted(const TwoGrids *g)
+{
+    return g->transform->multiply != 0;
 }
 
 #define BODY "two_grids.h"
@@ -49,7 +55,7 @@ static int apply(TwoGrids *g, const void *field, void *out, int floats)
         (single ? gather_in_single : gather_in_double)(g, some_of(field, floats, at, n, part), at, n);
     }
     int status = 0;
-    if (g->add_up && !g->filter) status = g->add_up(g->sums, 2 * g->points);
+    if (g->add_up && !is_parted(g)) status = g->add_up(g->sums, 2 * g->points);
     if (!status) status = single ? on_patches_in_single(g) : on_patches_in_double(g);
     if (status) return status;
     for (long at = 0; at < g->nodes; at += SOME) {

@@ -66,7 +66,7 @@ CLONES static double OF(inner)(const REAL *restrict x, const REAL *restrict y, l
 static int OF(inner_products)(const TwoGrids *g, const REAL *vectors, long count, const REAL *x, double *found)
 {
     for (long j = 0; j < count; j++) found[j] = OF(inner)(vectors + j * g->points, x, g->points);
-    return g->filter ? g->add_up(found, count) : 0;
+    return is_parted(g) ? g->add_up(found, count) : 0;
 }
 
 CLONES static void OF(moved)(REAL *restrict x, REAL factor, const REAL *restrict y, long n)

@@ -7,6 +7,7 @@ from weakref import WeakValueDictionary
 import numpy as np
 
 from . import structures
+from .asked import sums
 from .forms import call
 from .library import shared
 from .structures import address
@@ -63,37 +64,19 @@ class OnTwoGrids:
     area, left : floats, nodes of a patch, and the part of its right side that is left of the system
         of patches
     within : float, compliance of waves within patches
-    parted : bool, whether processes that share out the nodes have some of the patches each, not all
     """
 
-    def __init__(self, grid, plan, patch, number, area, left, within, parted):
+    def __init__(self, grid, plan, patch, number, area, left, within):
         own = self.structure = structures.TwoGrids(area=area, left=left, compliant=within,
                                                     nodes=len(patch), points=plan.real.size)
-        self._errors = []
         if grid.shared:
-            own.add_up = structures.AddUp(self._told(lambda place, count: grid.add_up(
-                np.frombuffer((ctypes.c_double * count).from_address(place)))))
-        if parted:
-            own.filter = structures.Filter(self._told(plan.filter_by))
+            own.add_up = sums(grid.add_up)
         self._counter, self._room = grid.counter, Room.of(plan.real.size, plan.real.dtype)
         self._kept = {}
         self.take(patch=patch, number=number, **vars(self._room),
                    inverse=np.empty(len(patch), dtype=plan.real.dtype))
         own.transform, self._plan = ctypes.pointer(plan.structure), plan
         self._reference = ctypes.addressof(own)
-
-    def _told(self, act):
-        """A function that the library calls: what it raises is kept, and told by its status."""
-        errors = self._errors
-
-        def told(*given):
-            try:
-                act(*given)
-            except BaseException as error:  # the library cannot pass it on; its caller does
-                errors.append(error)
-            return len(errors)
-
-        return told
 
     def take(self, **arrays):
         """Take arrays, of the transform's precision or as kernels.h has them, by their names in
@@ -116,9 +99,5 @@ class OnTwoGrids:
 
     def __call__(self, field):
         """Replace a field (nodes); the Hessenberg matrix of what was solved on patches."""
-        try:
-            call(shared().on_two_grids, self._counter, self._reference, *2 * [address(field)])
-        finally:
-            if self._errors:
-                raise self._errors.pop()
+        call(shared().on_two_grids, self._counter, self._reference, *2 * [address(field)])
         return self.matrix

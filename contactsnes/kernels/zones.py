@@ -10,6 +10,7 @@ from ..grid.active import Nodes
 from ..grid.patches import PATCHES, circle_points, shortest, taken
 from ..grid.transfer import reach_of
 from . import structures
+from .asked import asked
 from .forms import call
 from .structures import address
 
@@ -56,8 +57,7 @@ class CompiledZone:
             kernel.make_quick()
         self._lay_out(window, options)
         self._circles = [[] for _ in range(count)]
-        self._errors = []
-        own.missing = structures.Missing(self._circle_maker(window, quick))
+        own.missing = asked(structures.Missing, self._circle_maker(window, quick))
         self._blocks(window, count)
         self._means(count)
         self.reference = ctypes.addressof(own)
@@ -131,37 +131,27 @@ class CompiledZone:
 
         It holds neither the form nor this object, which hold it.
         """
-        contact, circles, errors = self.form.contact, self._circles, self._errors
+        contact, circles = self.form.contact, self._circles
         structure, plane, boxes = weakref.ref(self.structure), len(window.shape) == 2, len(
             window.parts)
 
         def make(component, first, second, apart):
             raw = (first, second) if plane else (second,)
-            try:
-                shape = tuple(circle_points(extent, total, apart)
-                              for extent, total in zip(raw, window.limits))
-                signs = window.of(component) if window.even else None
-                # cores of several extents may be on one circle, which one of them is on at a time
-                like = next((circle for circle in circles[component]
-                             if circle.transform.shape == shape), None)
-                made = Circle(contact.circle(component, shape, window.even, boxes, signs, apart),
-                              boxes, (first, second, apart), quick, like)
-            except BaseException as error:  # the library cannot pass it on; its caller does
-                errors.append(error)
-                return 1
+            shape = tuple(circle_points(extent, total, apart)
+                          for extent, total in zip(raw, window.limits))
+            signs = window.of(component) if window.even else None
+            # cores of several extents may be on one circle, which one of them is on at a time
+            like = next((circle for circle in circles[component]
+                         if circle.transform.shape == shape), None)
+            made = Circle(contact.circle(component, shape, window.even, boxes, signs, apart),
+                          boxes, (first, second, apart), quick, like)
             circles[component].append(made)
             made.table = (structures.Circle * len(circles[component]))(
                 *(circle.structure for circle in circles[component]))
             structure().circles[component] = made.table
             structure().circle_count[component] = len(made.table)
-            return 0
 
         return make
-
-    def raise_error(self):
-        """Raise what was raised while the library worked."""
-        if self._errors:
-            raise self._errors.pop()
 
     def take(self, grids=()):
         """Take two grids in place of cores from the next set-up on.
@@ -179,7 +169,6 @@ class CompiledZone:
         """Make the zones from the form's tangent, perhaps in single precision."""
         self.kernel.set_precision(single)
         call(self.library.set_up, self.form.grid.counter, self.reference)
-        self.raise_error()
 
     def apply(self, vector, out, single=False):
         """out = M^-1 vector.
@@ -193,6 +182,45 @@ class CompiledZone:
         call(self.library.precondition, self.form.grid.counter, self.reference, address(vector),
              address(out))
         return out
+
+
+class MadeZone:
+    """A zone that was made in Python, of one box whose nodes processes share out, as the library
+    applies it to vectors in single precision.
+
+    Parameters
+    ----------
+    zone : `solvers.core_zone.CoreZone` without patches, whose transforms are the library's
+    kernel : CompiledForm
+    """
+
+    def __init__(self, zone, kernel):
+        self._kernel, self._single, self._circles, self._kept = kernel, None, [], [zone]
+        own = self.structure = structures.Zone(mean_count=len(zone.means))
+        own.form, own.columns = ctypes.pointer(kernel.structure), address(zone.columns)
+        own.means[:len(zone.means)] = zone.means
+        own.inverse[:zone.inverse.size] = zone.inverse.reshape(-1)
+        self._blocks = [(own.block[i], block) for i, block in enumerate(zone.blocks) if block]
+        for block, made in self._blocks:
+            weights = [np.ascontiguousarray(weight) for weight in (made.into, made.back)]
+            block.on, (block.into, block.back) = 1, map(address, weights)
+            block.first[:] = [part.start for part in made.core[1:]]
+            block.extent[:] = made.into.shape[1:]
+            self._kept.append(weights)
+        self.reference = ctypes.addressof(own)
+
+    def choose(self, single):
+        """Have products and the zone in single precision, or in double, from now on."""
+        self._kernel.set_precision(single)
+        if single is self._single:
+            return
+        self._single, self._circles = single, []
+        for block, made in self._blocks:
+            plan, symbol = made.circle(single)
+            circle = structures.Circle(symbol=address(symbol))
+            circle.quick = circle.transform = ctypes.pointer((plan.folded or plan).structure)
+            block.circle, block.made = ctypes.pointer(circle), single
+            self._circles.append((plan, symbol, circle))
 
 
 class Circle:

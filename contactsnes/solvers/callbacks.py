@@ -9,6 +9,8 @@ from petsc4py import PETSc
 
 from ..contact.bordered import ArcLength
 from ..kernels import library, structures
+from ..kernels.asked import raise_error
+from ..kernels.forms import call
 from ..kernels.zones import CompiledZone
 from ..options.database import read
 from ..options.fields import InputError
@@ -106,6 +108,10 @@ class Callbacks:
         if arc is not None:
             self.structure.arc = ctypes.pointer(arc.structure)
         self.address = ctypes.addressof(self.structure)
+
+    def choose(self):
+        """Choose the precision of what comes next in a linear solve."""
+        call(connected()[0].choose, self.form.grid.counter, self.address, 0)
 
 
 class CompiledPrecision:
@@ -287,7 +293,7 @@ def solve(snes, solution):
     except PETSc.Error:
         own = of(snes)
         if own is not None:
-            own.zone.raise_error()
+            raise_error()
             own.form.grid.counter.check()
         raise
     finally:

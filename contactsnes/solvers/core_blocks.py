@@ -24,6 +24,11 @@ class CoreBlock:
     pad : float >= 1, extent of the circle over that of the core
     scale : array (nodes), fields that M^-1 is applied to over those that r is; None: they are the
         same
+
+    Attributes
+    ----------
+    core : index of the core's nodes that are here in boxes
+    into, back : arrays (boxes, *core), a in the scales of r and of M^-1 r
     """
 
     apart = 1
@@ -55,11 +60,11 @@ class CoreBlock:
         parts = [extent(hull.occupied(stiff, axis), 0) for axis in range(stiff.ndim)]
         parts = tuple(slice(0, part.stop) if window.even else part for part in parts)
         self._part, self.core = parts, (slice(None), *hull.own(parts)[1])
-        self._into = self._back = np.sqrt(box[self.core])
+        self.into = self.back = np.sqrt(box[self.core])
         if scale is not None:
             scale = scale.reshape(self.boxes)[self.core]
-            self._into = self._into / scale
-            self._back *= scale
+            self.into = self.into / scale
+            self.back *= scale
         return [part.stop - part.start for part in parts]
 
     def _lay_out(self, window):
@@ -69,9 +74,9 @@ class CoreBlock:
     def apply(self, field, single=False):
         """Replace a field (nodes) by M^-1 field: two transforms of the core's circle."""
         core, (plan, symbol) = field.reshape(self.boxes)[self.core], self.circle(single)
-        plan.enter(self._into, core)
+        plan.enter(self.into, core)
         plan.filter(symbol)
-        plan.leave(self._into, self._back, core)
+        plan.leave(self.into, self.back, core)
 
 
 class InPatches(CoreBlock):
@@ -143,7 +148,7 @@ class PatchedBlock(InPatches):
     def _find(self, window, weight, scale):
         """Take the core's nodes with their weights; its extents."""
         self.core = np.flatnonzero(weight).astype(np.intc)
-        self._into = np.sqrt(weight[self.core])
+        self.into = np.sqrt(weight[self.core])
         return self._locate(window, self.core)
 
     def circle(self, single):
@@ -160,10 +165,10 @@ class PatchedBlock(InPatches):
     def apply(self, field, single=False):
         """Replace a field (nodes) by M^-1 field: two transforms of the core's circle."""
         plan, symbol, places = self.circle(single)
-        sums = plan.sums_at(places, self.core, self._into, field)
+        sums = plan.sums_at(places, self.core, self.into, field)
         plan.real.reshape(-1)[...] = self._complete(sums)
         plan.filter(symbol)
-        plan.subtract_nodes(places, self.core, self._into, self._within, field)
+        plan.subtract_nodes(places, self.core, self.into, self._within, field)
 
 
 class CoupledBlock:

@@ -12,6 +12,7 @@ from ..grid.patches import taken
 from ..kernels import krylov as compiled
 from .basis import CANCELLED, LEFT, Basis, InDouble, InSingle, Short
 from .iterations import Iterations
+from .operators import form_of
 from .precision import PATIENCE, ROUNDED, SAFE
 from .triangle import Triangle
 
@@ -71,13 +72,26 @@ def is_ours(pc):
                                        and getattr(pc.getPythonContext(), "is_ours", False))
 
 
-def in_library(pc):
-    """(Callbacks of a form whose zone a preconditioner is, what is to be called when that was
-    applied, or None), None of none."""
-    if pc.getType() == "shell":
-        return pc.getAttr("callbacks"), None
+def in_library(operator, pc):
+    """Of a form's operator and its own preconditioner what makes iterations in the library: (its
+    form there, zone, function that chooses their precision, what is to be called when the
+    preconditioner was applied, or None); None of others.
+
+    Parameters
+    ----------
+    operator, pc : petsc4py Mat and PC
+    """
     context = pc.getPythonContext() if pc.getType() == "python" else None
-    return getattr(context, "callbacks", None), getattr(context, "tell", None)
+    if hasattr(context, "in_library"):
+        form = form_of(operator)
+        made = context.in_library(form)
+        return made and (form.kernel, *made, None)
+    own = operator.getAttr("callbacks")
+    zone = (pc.getAttr("callbacks") if pc.getType() == "shell"
+            else getattr(context, "callbacks", None))
+    if not own or own is not zone or own.structure.arc:
+        return None
+    return own.kernel, own.zone, own.choose, getattr(context, "tell", None)
 
 
 class GMRES:
@@ -239,11 +253,10 @@ class GMRES:
         bases : (Basis, Basis or None)
         """
         operator, pc = ksp.getOperators()[0], ksp.getPC()
-        own = operator.getAttr("callbacks") if bases[0].single else None
-        zone, applied = in_library(pc)
-        if not (own and own is zone and compiled.steps_alone(own.structure)):
+        own = in_library(operator, pc) if bases[0].single else None
+        if not (own and compiled.steps_alone(own[0])):
             return Iterations(operator, pc, begin, vectors, *bases)
         arrays = [vector.getArray() for vector in vectors]
         given = arrays[0] if begin is vectors[0] else begin.getArray(readonly=True)
-        return compiled.Iterations(own.structure, self._grid.counter, given, arrays, *bases,
-                                   CANCELLED, LEFT, applied)
+        *own, applied = own
+        return compiled.Iterations(*own, given, arrays, *bases, CANCELLED, LEFT, applied)

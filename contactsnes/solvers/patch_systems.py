@@ -66,9 +66,8 @@ class Patches(InPatches):
         nodes = (self._complete(patch_nodes(self._patch, plan.real.size)) if compiled
                  else self._sums(None))
         self._number, self._there = np.maximum(nodes, 1.0), nodes > 0.0
-        parted = form.grid.shared and self._grid is form.grid
         self.library = OnTwoGrids(form.grid, plan, self._patch, self._number, self._area, LEFT,
-                                  WITHIN * self.between, parted) if compiled else None
+                                  WITHIN * self.between) if compiled else None
 
     def _find(self, window, weight, scale):
         """Take all nodes; their extents."""

@@ -6,6 +6,7 @@ import numpy as np
 from ..contact.bordered import ArcLength
 from ..contact.even_form import EvenForm
 from ..contact.force_form import ForceForm
+from ..kernels.zones import MadeZone
 from ..options.database import read
 from ..options.fields import InputError
 from . import callbacks
@@ -141,7 +142,7 @@ class ZonePC:
 
     def __init__(self):
         self.options = CoreOptions()
-        self.zone = self.precision = None
+        self.zone = self.precision = self._in_library = None
 
     def setFromOptions(self, pc):
         """Read -pc_core_* under the PC's prefix."""
@@ -157,6 +158,21 @@ class ZonePC:
             raise InputError(callbacks.NO_JACOBIAN)
         self.precision = precision_of(matrix)
         self.zone = zone(form, self.options, self.precision.begin())
+        self._in_library = None
+
+    def in_library(self, form):
+        """(Zone in the library, function that chooses its precision) of a form of even states whose
+        nodes processes share out; None of others.
+
+        Parameters
+        ----------
+        form : of the equations, or None
+        """
+        able = type(form) is EvenForm and form.kernel and form.grid.shared
+        if not (able and self.zone.form is form.half):
+            return None
+        made = self._in_library = self._in_library or MadeZone(self.zone, form.kernel)
+        return made, lambda: made.choose(self.precision.now())
 
     def apply(self, pc, x, y):
         """y = M^-1 x.

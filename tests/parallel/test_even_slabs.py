@@ -322,6 +322,36 @@ if PETSc.COMM_WORLD.rank == 0:
     with open("found.json", "w") as file:
         json.dump(found, file)
 """
+ITERATIONS = """
+import json
+import petsc4py
+petsc4py.init()
+from petsc4py import PETSc
+from contactsnes import Branch, Form, Load, Scene
+from contactsnes.kernels import krylov as compiled
+from contactsnes.solvers import krylov, operators
+
+NAMES = ["nonlinear_iterations", "linear_iterations", "normal_force", "tangential_force_x"]
+CASES = {"normal": (Load("normal_displacement=0", "normal_displacement=0.3"), 0.5),
+         "force": (Load("normal_force=0", "normal_force=0.3"), 0.2),
+         "sheared": (Load("normal_displacement=0.3", "tangential_displacement_x=0.2"), 0.5)}
+krylov.LARGE, made = 1, []
+iterate, mult = compiled.Iterations.__call__, operators.Jacobian.mult
+compiled.Iterations.__call__ = lambda *given: made.append("library") or iterate(*given)
+operators.Jacobian.mult = lambda *given: made.append("Python") or mult(*given)
+found = {}
+for name, (load, poisson) in CASES.items():
+    made.clear()
+    branch = Branch(Scene(dimension=2, points=64, period=12.0, normal_maugis=2.0, poisson=poisson,
+                          tangential_maugis=2.0, geometry="sphere"), load,
+                    form=Form(linear_precision="single"))
+    points = [[float(value) for value in branch.observe(point, NAMES).values()]
+              for point in branch]
+    found[name] = points, made.count("library"), made.count("Python")
+if PETSc.COMM_WORLD.rank == 0:
+    with open("found.json", "w") as file:
+        json.dump(found, file)
+"""
 SAME = ("nonlinear_iterations", "linear_iterations", "transforms", "half")
 """What is the same of every point, to the last: whoever has the nodes."""
 ROUNDED = {"wall_time", "residual_norm", "largest_residual", "function_evaluations",
@@ -373,3 +403,20 @@ def test_processes_that_have_no_rows_of_a_contact_do_no_harm(tmp_path):
     assert len(one) > 1
     for alone, shared in zip(one, seven, strict=True):
         assert alone[:2] == shared[:2] and alone[2] == pytest.approx(shared[2], rel=1e-7)
+
+
+@COMPILED
+@together
+@pytest.mark.parametrize("size", SIZES)
+def test_iterations_in_single_precision_are_the_librarys(size, tmp_path):
+    one, more = found(1, ITERATIONS, tmp_path), found(size, ITERATIONS, tmp_path)
+    for name, (points, in_library, _) in one.items():
+        shared, also_in_library, in_python = more[name]
+        assert in_library > 10 and also_in_library > 10, name
+        # the residual of a cycle that begins anew, and solves that are asked for more
+        assert in_python < 0.2 * also_in_library, name
+        for alone, other in zip(points, shared, strict=True):
+            assert alone[2:] == pytest.approx(other[2:], rel=1e-7, abs=1e-7), name
+        # (rounding may decide on an iteration)
+        alone, other = ([sum(numbers) for numbers in zip(*each)][:2] for each in (points, shared))
+        assert alone == pytest.approx(other, rel=0.1, abs=2.0), name
