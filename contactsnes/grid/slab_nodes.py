@@ -1,6 +1,9 @@
 """Windows of some of the nodes of a slab (`slabs`), and values of one such window at the nodes of
 another."""
 
+import weakref
+from functools import cached_property
+
 import numpy as np
 import scipy
 
@@ -8,6 +11,9 @@ from .active import Nodes
 
 NEARBY = 32
 """Rows beyond its own among which a process looks for the nearest known node first."""
+FEW = 3
+"""Windows for which it is kept where their values come from: steps go back and forth between
+few."""
 
 
 class SlabNodes(Nodes):
@@ -26,6 +32,7 @@ class SlabNodes(Nodes):
     def __init__(self, hull, places):
         super().__init__(hull, places)
         self.total = int(hull.grid.together(self.size))
+        self._ways = []
 
     def __eq__(self, other):
         """Whether these are the same nodes, in all processes."""
@@ -58,8 +65,21 @@ class SlabNodes(Nodes):
     def filled(self, values):
         """Values (..., nodes of the box) from those at these nodes, elsewhere that of the nearest
         one."""
-        everywhere = SlabNodes(self.hull, np.arange(self.hull.size))
-        return nearest_known(values, self, everywhere)
+        return self._to_all.given(values, self)
+
+    @cached_property
+    def _to_all(self):
+        """The way to all nodes."""
+        return _Way(self, SlabNodes(self.hull, np.arange(self.hull.size)))
+
+    def way_to(self, window):
+        """The `_Way` of values to another window, which is found once for few of these."""
+        for other, way in self._ways:
+            if other() is window:
+                return way
+        way = _Way(self, window)
+        self._ways = [(weakref.ref(window), way), *self._ways[:FEW - 1]]
+        return way
 
 
 def nearest_known(field, source, window):
@@ -70,47 +90,90 @@ def nearest_known(field, source, window):
     field : array (components, nodes of the source)
     source, window : SlabNodes
     """
-    grid, rows = source.grid, source.grid.rows
-    reach = min(NEARBY, rows.fewest)
-    here = np.full((1 + len(field), *source.shape), np.nan)
-    here[(slice(None), *source.indices)] = np.concatenate([np.ones((1, source.size)), field])
-    wide = rows.around(here, reach, reach)
-    across = np.array(window.indices)
-    across[0] += reach
-    found = wide[(slice(1, None), *across)]
-    missing = np.flatnonzero(np.isnan(wide[(0, *across)]))
-    if not grid.any(missing.size):
+    return source.way_to(window).given(field, source)
+
+
+class _Way:
+    """Where nodes find their values: at the same nodes of a source, or at the nearest ones.
+
+    Parameters
+    ----------
+    source, window : SlabNodes
+    """
+
+    def __init__(self, source, window):
+        rows = source.grid.rows
+        self._reach = min(NEARBY, rows.fewest)
+        here = np.zeros(source.shape, dtype=bool)
+        here.reshape(-1)[source.places] = True
+        across, self._far = np.array(window.indices), None
+        missing = np.flatnonzero(~here[tuple(across)])
+        if not source.grid.any(missing.size):
+            self._reach = 0
+        else:
+            wide = rows.around(here, self._reach, self._reach)
+            across[0] += self._reach
+            if source.grid.any(missing.size and not wide.any()):
+                self._far = missing, across[:, missing] - [[self._reach - rows.first], [0]]
+            elif missing.size:
+                across[:, missing] = _nearest_places(wide, across[:, missing])
+        # numbers of nodes among this process's rows with those around
+        self._numbers = across[0] * source.shape[1] + across[1]
+
+    def given(self, field, source):
+        """Values of a field (components, nodes of the source) at the window's nodes.
+
+        Parameters
+        ----------
+        field : array
+        source : the SlabNodes
+        """
+        here = np.zeros((len(field), *source.shape))
+        here.reshape(len(field), -1)[:, source.places] = field
+        if self._reach:
+            here = source.grid.rows.around(here, self._reach, self._reach)
+        found = here.reshape(len(field), -1).take(self._numbers, axis=-1)
+        if self._far:
+            _from_everywhere(field, source, found, *self._far)
         return found
-    has = wide[0] == 1.0
-    if grid.any(missing.size and not has.any()):
-        _from_everywhere(field, source, across, found, missing)
-    elif missing.size:
-        # columns close on themselves: half of them are there once more on either side
-        half = has.shape[1] // 2
-        apart = np.pad(~has, ((0, 0), (half, half)), mode="wrap")
-        places = scipy.ndimage.distance_transform_edt(apart, return_distances=False,
-                                                return_indices=True)
-        row, column = places[:, across[0, missing], across[1, missing] + half]
-        found[:, missing] = wide[1:, row, (column - half) % has.shape[1]]
-    return found
 
 
-def _from_everywhere(field, source, across, found, missing):
+def _nearest_places(known, places):
+    """Rows and columns of the nearest known node of each place, among columns that close on
+    themselves.
+
+    Parameters
+    ----------
+    known : mask (rows, columns), somewhere True
+    places : array of int (2, places)
+    """
+    columns = known.shape[1]
+    for aside in (columns // 4, columns // 2):  # of the second half: one is that near
+        apart = np.pad(~known, ((0, 0), (aside, aside)), mode="wrap")
+        nearest = scipy.ndimage.distance_transform_edt(apart, return_distances=False,
+                                                 return_indices=True)
+        row, column = nearest[:, places[0], places[1] + aside]
+        column = column - aside
+        away = (row - places[0]) ** 2 + (column - places[1]) ** 2
+        if aside == columns // 2 or away.max() <= aside ** 2:
+            return row, column % columns
+
+
+def _from_everywhere(field, source, found, missing, wanted):
     """Fill in values of the nearest nodes where no node is known nearby: all processes tell all
     that they know.
 
     Parameters
     ----------
     field, source : values and SlabNodes where they are known
-    across : array of int (directions, nodes), places in this process's rows with those around
     found : array (components, nodes), which gets values
     missing : array of int, at which of the nodes
+    wanted : array of int (2, missing), their rows and columns in the cell
     """
-    grid, rows = source.grid, source.grid.rows
-    places = np.concatenate(grid.comm.allgather(np.array(source.indices) + [[rows.first], [0]]),
-                            axis=1)
+    grid = source.grid
+    places = np.concatenate(grid.comm.allgather(np.array(source.indices) + [[grid.rows.first],
+                                                                            [0]]), axis=1)
     values = np.concatenate(grid.comm.allgather(field), axis=1)
     if missing.size:
-        wanted = across[:, missing] + [[rows.first - min(NEARBY, rows.fewest)], [0]]
         tree = scipy.spatial.cKDTree(places.T, boxsize=grid.shape)
         found[:, missing] = values[:, tree.query((wanted % np.array(grid.shape)[:, None]).T)[1]]

@@ -175,6 +175,11 @@ for wanted in (np.flatnonzero(widened(alone, mask, 1)), np.arange(mask.size)):
     asked[wanted] = True
     window = some(shared.whole, np.flatnonzero(shared.part_of(asked.reshape(shape))))
     found = nearest(source.take(shared.part_of(cell)), source, window)
+    # the way there is kept
+    assert np.array_equal(nearest(2.0 * source.take(shared.part_of(cell)), source, window),
+                          2.0 * found)
+    if len(wanted) == mask.size:
+        assert np.array_equal(source.filled(source.take(shared.part_of(cell))), found)
     places = np.array(np.unravel_index(few, shape))
     for node, value in zip(window.node_numbers(), found.T):
         away = np.abs(places - np.array(np.unravel_index(node, shape))[:, None])
