@@ -28,6 +28,10 @@ STIFF = 0.9
 """Eigenvalue that this mode may have, by its residual, from which on the same is done. Where the
 law does not act any vector has the eigenvalue 1, and so has the mean of a whole cell: it tells
 nothing of a mode that softens."""
+CROWDED = 0.01
+"""Residual that will do from PATIENCE runs on for a mode that is STIFF by it: where nothing
+softens, as in full contact that slides, eigenvalues lie so near to each other that none has a mode
+of its own."""
 SHORT, LONG = 3, 12
 PATIENCE = 8
 RUNS = 40
@@ -107,7 +111,7 @@ def _searched(space, start, accurate, number, neutral):
         begin = space.only(among, sum(ahead, (NOISE if ahead else 1.0) * noise))
         space.run(shift, begin, LONG if run >= PATIENCE else SHORT)
         found = space.found()
-        among = _loose(found, accurate, number, neutral)
+        among = _loose(found, accurate, number, neutral, CROWDED if run >= PATIENCE else 0.0)
     return None if among else [space.whole(*one) for one in found.items()]
 
 
@@ -206,7 +210,7 @@ def _ahead(space, found, among, accurate, number):
             min(values[min(number, len(values) - 1)], 0.5))
 
 
-def _loose(found, accurate, number, neutral):
+def _loose(found, accurate, number, neutral, crowded=0.0):
     """Numbers of symmetries of which a residual is too large for the sign of an eigenvalue, or for
     the mode that counts.
 
@@ -214,12 +218,13 @@ def _loose(found, accurate, number, neutral):
     ----------
     found : {number of a symmetry: Modes}
     accurate, number, neutral : as of `leading_modes`
+    crowded : residual that will do where nothing softens
     """
     values = np.sort(np.concatenate([modes.values.real for modes in found.values()]))
     last = values[min(number, len(values) - 1)]
     return [symmetry for symmetry, modes in found.items()
             if _uncertain(modes, neutral)
-            or accurate is not None and _inaccurate(modes, accurate, last)]
+            or accurate is not None and _inaccurate(modes, accurate, last, crowded)]
 
 
 def _uncertain(modes, neutral):
@@ -229,7 +234,7 @@ def _uncertain(modes, neutral):
     return not np.all((modes.residuals < allowed)[modes.certain])
 
 
-def _inaccurate(modes, accurate, last):
+def _inaccurate(modes, accurate, last, crowded):
     """Whether a mode up to an eigenvalue, or one that may be by its residual, has one that is too
     large.
 
@@ -238,8 +243,10 @@ def _inaccurate(modes, accurate, last):
     modes : Modes
     accurate : as of `leading_modes`
     last : float, real part
+    crowded : as of `_loose`
     """
     allowed, least = accurate * np.clip(4.0 * np.abs(modes.values), 1.0, 2.2), modes.values.real
+    allowed = np.where(least - modes.residuals > STIFF, np.maximum(allowed, crowded), allowed)
     counts = (least <= last) | (modes.certain & (least - modes.residuals <= last))
     return not np.all((modes.residuals <= allowed)[counts])
 

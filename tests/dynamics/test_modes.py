@@ -95,6 +95,30 @@ def test_modes_nearby_are_a_good_beginning():
     assert spent[None] <= spent[3e-4] < cold[2] - cold[0]
 
 
+def test_where_nothing_softens_modes_need_not_be_told_from_each_other():
+    """Hundreds of eigenvalues next to 1, as those of a body that slides in full contact: it is
+    stable, and the leading one is known to a hundredth."""
+    class Crowded(Dense):
+        def __init__(self, least):
+            self.size, self.products = 3000, 0
+            self.diagonal = np.r_[least, np.linspace(0.995, 1.0, 999), np.linspace(1.0, 3.0, 2000)]
+
+        def apply(self, vector):
+            self.products += 1
+            return self.diagonal * vector
+
+        def precondition(self, vector):
+            return vector / np.where(self.diagonal < 2.0, 1.0, self.diagonal)
+
+    operator = Crowded(0.995)
+    modes = joined(leading_modes(operator))
+    assert modes.unstable == 0 and modes.leading.real == pytest.approx(0.995, abs=0.01)
+    assert operator.products < 200
+    for least in (0.7, 0.05, -0.1):  # what softens is found, as accurately as elsewhere
+        modes = joined(leading_modes(Crowded(least)))
+        assert modes.leading.real == pytest.approx(least, abs=1e-5)
+
+
 def test_small_problems_are_dense():
     operator = Dense([-0.5, 0.2, 7.0], size=20)
     modes = joined(leading_modes(operator))
