@@ -47,8 +47,8 @@ def option(default, meaning, unit="", *, kind=None, minimum=None, maximum=None, 
     return dataclasses.field(default=default, metadata=rule)
 
 
-WITH_UNIT = re.compile(r"[+-]?[\d.]+(e[+-]?\d+)?\s*[^\W\d].*", re.ASCII | re.IGNORECASE)
-"""A number and a word behind it."""
+WITH_UNIT = re.compile(r"[+-]?[\d.]+(e[+-]?\d+)?\s*(?!e[+-]?\d+$)[^\W\d].*", re.ASCII | re.I)
+"""A number and a word behind it, which is no exponent."""
 
 LARGEST = 1e30
 """Size up to which numbers are computed with, 1 / it the least: a few products do not overflow."""

@@ -11,7 +11,7 @@ import dataclasses
 from ..interface import bodies, shapes
 from ..options.arguments import of_class
 from ..options.fields import InputError, declare
-from . import isolation, parts
+from . import digits, isolation, parts
 from .load import Load
 from .scene import Scene
 from .steps import Form, Output, Steps
@@ -51,8 +51,9 @@ def check(scene, load, steps=Steps()):
         isolation.check_load(scene, load)
     if scene.points != "auto":
         shapes.of(scene).check_grid(scene)
-    sheared = _sheared(scene, load)
-    bodies.of(scene).check(scene, any(tangential_legs(scene, load)))
+    sheared, slips = _sheared(scene, load), any(tangential_legs(scene, load))
+    digits.check(scene, load, slips)
+    bodies.of(scene).check(scene, slips)
     if scene.tangential == "off" and any(sheared):
         text = [load.start or "", *load.path.split(";")][sheared.index(True)].strip()
         raise InputError("-scene_tangential is 'off', but the load has "

@@ -541,6 +541,48 @@ def test_numbers_beyond_computing_are_refused_with_the_option():
             Load(path=f"normal_force={value}").legs(1)
 
 
+@pytest.mark.parametrize("scene, load, words", [
+    ({"gap_offset": 1e16}, {}, "-scene_gap_offset is '1e+16': allowed is a size up to 4.5e+11"),
+    ({"normal_maugis": 1e20}, {}, "-scene_normal_maugis is '1e+20': allowed is at most 4.5e+12"),
+    ({"tangential_maugis": 1e20}, {"path": "tangential_force=1"}, "-scene_tangential_maugis is"),
+    ({}, {"path": "normal_force=1; normal_displacement=1e29"},
+     "-load_path has normal_displacement=1e+29: allowed is a size up to 4.5e+11"),
+    ({}, {"start": "normal_displacement=-1e29"}, "-load_start has normal_displacement=-1e+29"),
+    ({}, {"path": "tangential_displacement=1e29"}, "-load_path has tangential_displacement"),
+    ({}, {"path": "normal_force=1e29"}, "-load_path has normal_force=1e+29: allowed is at most"),
+    ({"dimension": 2, "geometry": "sphere", "points": 32},
+     {"path": "tangential_displacement_y=1e20"}, "-load_path has tangential_displacement_y=")])
+def test_numbers_that_rounding_leaves_no_range_of_are_refused(scene, load, words):
+    with pytest.raises(InputError) as refusal:
+        Branch(Scene(**scene), Load(**{"path": "normal_displacement=1", **load}))
+    sentence = str(refusal.value)
+    assert words in sentence and "allowed" in sentence and "; try " in sentence
+
+
+def test_numbers_that_rounding_leaves_no_range_of_are_told_in_the_units_of_the_scene():
+    si = {"units": "si", "work_of_adhesion_normal": 0.03, "work_of_adhesion_tangential": 0.03,
+          "contact_modulus": 2e6, "radius": 0.01, "range_normal": 1e-7, "range_tangential": 1e-6}
+    for changes, path, words in (({"range_normal": 1e-25}, "normal_force=1", "the normal range of"),
+                                 ({}, "normal_displacement=1e9", r"up to 4\.5e\+02 km")):
+        with pytest.raises(InputError, match=words):
+            Branch(Scene.typed(**{**si, **changes}), Load(path=path))
+
+
+def test_what_no_unknown_feels_and_what_is_large_but_known_is_computed_with():
+    scene = Scene(points=128, period=40.0, normal_maugis=2.0, gap_offset=1e6,
+                  tangential_maugis=1e20)
+    for point in Branch(scene, Load(path="normal_displacement=-1e6")):
+        assert point.forces[0] == 0.0
+
+
+def test_an_exponent_is_no_unit():
+    with pytest.raises(InputError) as refusal:
+        Scene(height=1e300)
+    assert "unit" not in str(refusal.value)
+    with pytest.raises(InputError, match="typed without its unit"):
+        Scene(height="2e3nm")
+
+
 def test_files_are_read_under_limits_that_nobody_may_raise():
     program = ("import resource; resource.setrlimit(resource.RLIMIT_CPU, (50, 50)); "
                "from contactsnes.system import devices; "
