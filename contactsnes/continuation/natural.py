@@ -13,6 +13,9 @@ from .predictors import after_failure
 SAME = 1e-6
 """Part of a leg within which a fold that is found anew is the one that an earlier run ended at."""
 
+REPEATED = 2
+"""Jumps in turn that may begin at one load and end where nothing holds the body either."""
+
 USUAL = 8
 """Newton iterations with which a step stays as long as it is."""
 
@@ -49,6 +52,7 @@ class NaturalSteps(LoadSteps):
     parameters as of `LoadSteps`."""
 
     past = staticmethod(leg_history)
+    _left_at = -1.0, 0
 
     def __iter__(self):
         yield from self._resumed()
@@ -243,6 +247,7 @@ class NaturalSteps(LoadSteps):
         if self.at_fold == "stop":
             self.stopped = True
             return
+        self._leave_once_more(fold)
         where = f"at {self._place(fold.position)}, beyond the fold ({fold.fold_kind})"
         end = (f"at {self._place(1.0)}, beyond the fold ({fold.fold_kind}) at "
                f"{self._place(fold.position)}")
@@ -253,6 +258,19 @@ class NaturalSteps(LoadSteps):
                         event="jump")
         self.history = []
         yield self._accept(point)
+
+
+    def _leave_once_more(self, fold):
+        """NoEquilibrium, none that counts, where jump after jump begins at one load, since nothing
+        holds the body: each ends in another of many, and none leads on."""
+        place, jumps = self._left_at
+        jumps = jumps + 1 if abs(fold.position - place) < SAME else 1
+        self._left_at = fold.position, jumps
+        if jumps > REPEATED and self.system.neutral(fold) is not None:
+            raise NoEquilibrium(
+                f"no equilibrium that the load decides on beyond {self._place(fold.position)}: "
+                f"nothing holds the body any more, and {jumps - 1} jumps in turn from there led to "
+                "others of its many equilibria; prescribe a displacement in place of a force")
 
 
 def shared(step, position):

@@ -202,6 +202,10 @@ class Limits(Protocol):
         """A state in which something acts on a body that a force moves freely, in which a gliding
         one is held; None for any other."""
 
+    def neutral(self, point: Point) -> Optional[int]:
+        """The component in which nothing holds a point's body: one of many equilibria; None for any
+        other."""
+
 
 @runtime_checkable
 class Motion(Protocol):

@@ -2,6 +2,7 @@
 closed form."""
 
 import weakref
+from contextlib import nullcontext
 from dataclasses import replace
 
 import numpy as np
@@ -15,6 +16,7 @@ from contactsnes.continuation.folds import FoldSearch
 from contactsnes.continuation.limit_points import FOLD_TOLERANCE, LimitPoint
 from contactsnes.continuation.load_steps import predict
 from contactsnes.continuation.natural import (
+    REPEATED,
     NaturalSteps,
     fold_kind,
     grown,
@@ -201,7 +203,7 @@ class System:
     def within_range(self, point, *_):
         return None
 
-    end_of_attraction = within_range
+    end_of_attraction = neutral = within_range
 
     def along_tangent(self, point, leg, position, step):
         load = leg.load(position)[leg.moving]
@@ -1456,3 +1458,19 @@ def test_an_error_without_frames_holds_nothing_of_where_it_was_raised():
         error = caught
     without_frames(error)
     assert seen[0]() is None and str(error) == "then"
+
+
+@pytest.mark.parametrize("held, apart, ends", [(None, 0.0, False), (1, 0.0, True),
+                                               (1, 0.01, False)])
+def test_jumps_of_a_body_that_nothing_holds_end(held, apart, ends):
+    """From one of many equilibria to the next, under one load: not those that lead on, nor those of
+    a body that something holds."""
+    system = System(cubic())
+    system.neutral = lambda point: held
+    first = system.solve(-np.ones(1), ("displacement",), np.zeros(1))
+    steps = NaturalSteps(system, UNIT_LEG, [(0.0, first)], SECANT, "jump")
+    folds = [replace(first, position=0.5 + apart * number) for number in range(REPEATED + 1)]
+    for fold in folds[:REPEATED]:
+        steps._leave_once_more(fold)
+    with pytest.raises(NoEquilibrium, match="nothing holds the body") if ends else nullcontext():
+        steps._leave_once_more(folds[REPEATED])
