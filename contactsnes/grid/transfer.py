@@ -38,15 +38,14 @@ def interpolated(window, values):
     box = values.reshape([(start + extent + 1) // 2 - (start + 1) // 2
                           for start, extent, _ in sizes])
     for axis, (start, extent, total) in enumerate(sizes):
-        odd = np.arange(1 - start % 2, extent, 2)
-        columns = [_columns((start + odd) // 2 + shift, start, extent, total)
-                   for shift in range(-1, 3)]
-        before, left, right, after = (box.take(nodes, axis) for nodes in columns)
+        first, odd = start // 2, (extent + start % 2) // 2
+        places = _columns(np.arange(first - 1, first + odd + 2), start, extent, total)
+        known = box.take(places, axis).swapaxes(0, axis)
+        before, left, right, after = (known[shift:shift + odd] for shift in range(4))
         fine = np.empty([*box.shape[:axis], extent, *box.shape[axis + 1:]])
-        lines = np.moveaxis(fine, axis, 0)
-        lines[start % 2::2] = np.moveaxis(box, axis, 0)
-        lines[1 - start % 2::2] = np.moveaxis(0.5625 * (left + right) - 0.0625 * (before + after),
-                                              axis, 0)
+        lines = fine.swapaxes(0, axis)
+        lines[start % 2::2] = box.swapaxes(0, axis)
+        lines[1 - start % 2::2] = 0.5625 * (left + right) - 0.0625 * (before + after)
         box = fine
     return box.reshape(-1)
 
