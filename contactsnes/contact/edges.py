@@ -119,6 +119,7 @@ def _moved_places(contact, states, known, weights):
               else nodes_between(window, state.window).tolist() for state in states]
     each = [[[place + shift for place in line] for line, shift in zip(one.tolist(), shifted)]
             for one, shifted in zip(known, shifts)]
+    weights = np.asarray(weights).tolist()
     each.append([[sum(weight * place for weight, place in zip(weights, places))
                   for places in zip(*lines)] for lines in zip(*each)])
     if len(each[0][0]) == 6 and any(

@@ -1,9 +1,8 @@
 """Bifurcations of a branch: places of a leg where an eigenvalue crosses zero though the load has no
 limit there, and what follows."""
 
+import math
 from dataclasses import replace
-
-import numpy as np
 
 from .points import NotConverged
 from .predictors.predictor import moved_on, through
@@ -64,8 +63,8 @@ def examined(system, certify, leg, last, point):
     point : Point
     """
     point = point if point.stable >= 0 else certify(point)
-    if np.isnan(point.softest):
-        point = replace(point, softest=last[1].softest)
+    if math.isnan(point.softest):
+        point = point.changed(softest=last[1].softest)
     if last[1].stable < 0 <= point.stable:
         last = last[0], certify(last[1])
     if system.examiner and point.stable < 0 and point.softest < 0.0 and not last[1].softest < 0.0:
