@@ -1,9 +1,7 @@
 """The structures of kernels.h, field by field, and what fills their pointers."""
 
 import ctypes
-import weakref
 from ctypes import POINTER, addressof, c_char_p, c_double, c_int, c_long, c_void_p
-from functools import partial
 
 import numpy as np
 
@@ -23,9 +21,6 @@ NUMBERS = frozenset(map(np.dtype, (np.float64, np.complex128, np.float32, np.com
 
 _memory_of = (ctypes.c_char * 0).from_buffer
 
-_begins = {}
-"""``id`` of an array that is not to be changed -> it, weakly, and where it begins."""
-
 
 def address(array):
     """Where a contiguous array of floats or doubles, complex ones or C's integers begins; None of
@@ -41,19 +36,8 @@ def address(array):
     if array.dtype not in NUMBERS or not flags.c_contiguous:
         raise ValueError("kernels take contiguous arrays of floats, doubles, or of ints")
     # a quarter of the time of `ctypes.data`, but not for what is not to be changed
-    return addressof(_memory_of(array)) if flags.writeable else _begin_of(array)
-
-
-def _begin_of(array):
-    """Where an array begins that is not to be changed: states are asked for it step after step, and
-    NumPy takes its time to tell."""
-    number = id(array)
-    known, begin = _begins.get(number, (None, None))
-    if known is None or known() is not array:
-        begin = array.__array_interface__["data"][0]
-        gone = partial(_begins.pop, number)  # called with the reference, a default
-        _begins[number] = weakref.ref(array, gone), begin
-    return begin
+    return (addressof(_memory_of(array)) if flags.writeable
+            else array.__array_interface__["data"][0])
 
 
 AddUp = ctypes.CFUNCTYPE(c_int, c_void_p, c_long)
