@@ -7,7 +7,7 @@ grids decides; each finer one only corrects what it finds.
 
 from dataclasses import replace
 
-from ..contact import places, states
+from ..contact import nearing, places, states
 from ..continuation.points import NoEquilibrium, NotConverged, NoWayBack
 from ..dynamics import jumps
 from ..dynamics.control import rough
@@ -87,6 +87,10 @@ def settle(system, state, controls, load, where, origin=None):
     state, controls, load, where, origin : as of `jumps.settle`
     """
     point = _settled(system, state, controls, load, where, origin)
+    if nearing.touches(system.contact, point.state) and system.neutral(point) == 0:
+        # On which side of touching, where it is held or not, rounding left it.
+        held = nearing.touching(system.contact, point.state)
+        point = with_works(system.solve(held, controls, load), point)
     if origin is not None and rough(system.contact, len(controls)):
         system.log(f"a jump {where}: {places.moved(system.contact, origin, point.state)}")
     return point

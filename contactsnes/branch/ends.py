@@ -78,8 +78,9 @@ class Ends:
         return ""
 
     def end_of_attraction(self, point, leg, position):
-        """The fold, at its position, of a body off the flat that a growing force moves, or of one
-        that glides, under a falling force or pressed on; None for any other.
+        """The fold, at its position, of a body that a growing force moves off the flat or where
+        slip has left nothing but repulsion, or of one that glides, under a falling force or pressed
+        on; None for any other.
 
         A gliding body is held by its residual friction wherever it is, and by no force below.
 
@@ -95,8 +96,12 @@ class Ends:
         left = point.event == "jump" and point.leg == leg.number  # where it is held no better
         if (pull < 0.0 or pull == 0.0 < leg.direction[0]) and not left and self._glides(point):
             return replace(point, position=position, fold_kind="sliding")
-        if (point.controls[0] != FORCE or point.in_contact or leg.moving != 0
-            or leg.direction[0] <= 0.0):
+        if point.controls[0] != FORCE or leg.direction[0] <= 0.0:
+            return None
+        if point.in_contact:
+            loose = not left and self.neutral(point) == 0
+            return replace(point, position=position, fold_kind="jump_in") if loose else None
+        if leg.moving != 0:
             return None
         if self.contact.grid.minimum(states.normal_gap(self.contact,
                                                        point.state)) > self.contact.law.range:
@@ -112,11 +117,14 @@ class Ends:
 
     def within_range(self, point):
         """A state that feels the law of a body that a force moves freely, off the flat, or that
-        glides; None for any other."""
+        glides, or that is pressed where nothing holds it any more; None for any other."""
         if self._glides(point):
             return nearing.held(self.contact, point.state)
-        free = point.controls[0] == FORCE and not point.in_contact
-        return nearing.within_range(self.contact, point.state) if free else None
+        if point.controls[0] == FORCE and not point.in_contact:
+            return nearing.within_range(self.contact, point.state)
+        if point.fold_kind == "jump_in" and self.neutral(point) == 0:
+            return nearing.touching(self.contact, point.state)
+        return None
 
     def neutral(self, point):
         """The component of a body in contact that a force holds, and in which it may be moved as a

@@ -13,11 +13,15 @@ PLACES = 9
 """Gaps or slips, from far to near, of which the first that is felt is taken."""
 FELT = 1e-3
 """Part of its peaks by which tractions differ from those of far away where the law is felt."""
+OVERLAP, TOUCH = 1e-9, 1e-6
+"""Overlap, ranges, at which a body is held though no force is felt; gap or overlap at which it
+touches."""
 
 
 def within_range(contact, state):
     """The state of a body off the flat moved down as a whole until its lowest node is one range of
-    the law away; from out of its range, where surfaces may slip, until the body is attracted."""
+    the law away; from out of its range, where surfaces may slip, until the body is attracted, or
+    touches where slip has left no attraction."""
     cell = contact.extended(state)
     lowest = contact.grid.minimum(cell[0] + contact.initial_gap)
     gap = 1.0
@@ -25,8 +29,25 @@ def within_range(contact, state):
         places = np.repeat(state.means[:, None], PLACES, axis=1)
         places[0] = np.linspace(contact.law.opening_range, 1.0, PLACES)
         felt = contact.law.traction(places)[0] > FELT * contact.law.normal_peak
-        gap = places[0, _first(felt)]
-    cell[0] -= lowest - gap
+        gap = places[0, _first(felt)] if felt.any() else -OVERLAP
+    return _lowered(contact, cell, lowest - gap)
+
+
+def touching(contact, state):
+    """The state of a body moved down as a whole until it touches: slip has left the law nothing but
+    its repulsion, of which it feels what is no force yet."""
+    cell = contact.extended(state)
+    return _lowered(contact, cell, contact.grid.minimum(cell[0] + contact.initial_gap) + OVERLAP)
+
+
+def touches(contact, state):
+    """Whether a body does nothing but touch."""
+    return abs(contact.grid.minimum(normal_gap(contact, state))) < TOUCH
+
+
+def _lowered(contact, cell, way):
+    """The state of displacements of the cell, moved down as a whole by a way."""
+    cell[0] -= way
     flat = cell.reshape(len(cell), -1)
     return State(contact.grid.whole, flat, contact.grid.mean(flat))
 

@@ -221,6 +221,8 @@ class NaturalSteps(LoadSteps):
         if fold is None:
             search = kind(self.system, self.leg, self.history)
             fold, beyond, passed = search.search(error, refused)
+            if fold is not None:
+                fold = replace(fold, fold_kind=fold.fold_kind or fold_kind(self.leg))
             begins = [] if fold is None else starts(self.system, fold, beyond)
         else:
             near = self.system.within_range(fold)

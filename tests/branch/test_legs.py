@@ -300,6 +300,25 @@ def test_a_body_at_the_peak_of_its_friction_does_not_glide():
     assert branch.corrector.within_range(peak) is None
 
 
+@pytest.mark.parametrize("lift", ["normal_displacement=-0.5", "normal_displacement=-2.5",
+                                  "normal_displacement=-45",
+                                  "normal_displacement=-1; normal_force=hold"])
+def test_a_body_that_nothing_holds_is_pressed_on_again(lift):
+    """Lifted after slip has taken the adhesion, in contact or far off, no force moves it until it
+    touches: a force that presses finds it there, and leads where it does without a lift."""
+    scene = Scene(points=128, period=16.0, normal_maugis=1.0, tangential_maugis=0.5,
+                  height=float("inf"), residual_friction=0.5)
+    slid, steps = "tangential_displacement=30", Steps(initial_step=1.0, largest_step=30.0)
+    _, plain = followed(f"{slid}; normal_force=1", scene, steps, "normal_displacement=1")
+    branch, points = followed(f"{slid}; {lift}; normal_force=1", scene, steps,
+                              "normal_displacement=1")
+    np.testing.assert_allclose(points[-1].forces, plain[-1].forces, rtol=1e-6)
+    np.testing.assert_allclose(points[-1].state.means, plain[-1].state.means, rtol=1e-6)
+    fold, jump = (point for point in points if point.event in ("fold", "jump"))
+    assert fold.fold_kind == "jump_in" and abs(jump.forces[0]) < 2e-8
+    assert abs(branch.observe(jump)["minimum_gap"]) < 1e-6
+
+
 @pytest.mark.parametrize("changes, path, told", [
     ({}, "normal_force=0", ["to"]), ({"residual_friction": 0.0}, "normal_force=0", ["to"]),
     ({}, "normal_force=0; tangential_force=0", ["to", "along"]),
