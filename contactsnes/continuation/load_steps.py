@@ -106,10 +106,12 @@ class LoadSteps:
             back = self.system.along_tangent(point, self.leg, target, here - target)
             wrong = max(wrong, self.system.missed(back, last.state))
         far = missed > MISSED and moved > FAR and moved > FASTER * self._expected(target)
-        if far or (wrong > MISSED and wrong > SHARE * moved) or self._strayed(guess, target, point):
-            raise NotConverged(f"the solve ended {max(missed, wrong):.3g} ranges from "
-                               f"its prediction, {moved:.3g} from the last "
-                               "point, perhaps on another branch")
+        aside = (f"the solve ended {max(missed, wrong):.3g} ranges from its prediction, "
+                 f"{moved:.3g} from the last point"
+                 if far or (wrong > MISSED and wrong > SHARE * moved)
+                 else self._strayed(guess, target, point))
+        if aside:
+            raise NotConverged(f"{aside}, perhaps on another branch")
         return point.changed(leg=self.leg.number, position=target)
 
     def _probed(self, point):
@@ -119,8 +121,8 @@ class LoadSteps:
         return point
 
     def _strayed(self, guess, target, point):
-        """Whether some node ended where no prediction has it, however the solve began: part of the
-        contact has jumped."""
+        """How some nodes ended where no prediction has them, however the solve began: part of the
+        contact has jumped. '' where none did."""
         (here, last), doubted, used = self.history[-1], None, []
         for foretold in self._foretold(guess, target):
             beyond = self.system.strayed(foretold, last.state, point.state)
@@ -128,17 +130,18 @@ class LoadSteps:
             self._used = max(min(used), 0.0)
             if beyond <= 0.0:
                 if not self.system.doubtful(foretold, last.state, point.state):
-                    return False
+                    return ""
                 doubted = foretold if doubted is None else doubted
         if doubted is None:
-            return True
+            return "nodes of the solve ended where no prediction has them"
         back = self.system.along_tangent(point, self.leg, target, here - target)
         if not self.system.detached(doubted, last.state, point.state, back):
-            return False
+            return ""
         # A linear solve more is dear, but less so than a step that is refused for nothing.
         ahead = self.system.along_tangent(last, self.leg, here, target - here)
-        return (self.system.strayed(ahead, last.state, point.state) > 0.0
-                or self.system.doubtful(ahead, last.state, point.state))
+        snapped = (self.system.strayed(ahead, last.state, point.state) > 0.0
+                   or self.system.doubtful(ahead, last.state, point.state))
+        return "nodes of the solve released energy on their way" if snapped else ""
 
     def _foretold(self, guess, target):
         """Predictions of the state at a place, the cheapest first: the guess, if it is one, and
