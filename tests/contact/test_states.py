@@ -163,15 +163,16 @@ def test_undeformed_start_under_a_pull_touches_at_a_point():
 
 
 @pytest.mark.parametrize("height, slip, left", ((20.0, 0.0, 1.0), (60.0, 0.0, 5.0),
-                                                (60.0, 2.4, 3.0), (60.0, 9.0, 1.0)))
+                                                (60.0, 2.4, 3.0), (60.0, 9.0, -nearing.OVERLAP)))
 def test_lowered_is_moved_as_a_whole(height, slip, left):
-    """... until it feels the law, which slip may hide, if it comes from out of its range."""
+    """... until it feels the law, which slip may hide, if it comes from out of its range; until it
+    touches, if slip has left but repulsion."""
     contact, rng = line(), np.random.default_rng(1)
     window = contact.grid.whole
     field = rng.normal(size=(2, POINTS))
     field += np.array([[height], [slip]]) - field.mean(axis=1, keepdims=True)
     lowered = nearing.within_range(contact, states.State(window, field, contact.grid.mean(field)))
-    assert states.normal_gap(contact, lowered).min() == pytest.approx(left)
+    assert states.normal_gap(contact, lowered).min() == pytest.approx(left, abs=1e-12)
     assert np.ptp(lowered.displacement[0] - field[0]) < 1e-9
     np.testing.assert_array_equal(lowered.displacement[1], field[1])
     np.testing.assert_allclose(lowered.means, lowered.displacement.mean(axis=1))
