@@ -221,8 +221,7 @@ class NaturalSteps(LoadSteps):
         if fold is None:
             search = kind(self.system, self.leg, self.history)
             fold, beyond, passed = search.search(error, refused)
-            if fold is not None:
-                fold = replace(fold, fold_kind=fold.fold_kind or fold_kind(self.leg))
+            fold = fold and self._judged(fold, place)
             begins = [] if fold is None else starts(self.system, fold, beyond)
         else:
             near = self.system.within_range(fold)
@@ -243,6 +242,12 @@ class NaturalSteps(LoadSteps):
             return
         if not self.stopped and self.history[-1][1].event == "fold":
             yield from self._leave(self.history[-1][1], begins)
+
+    def _judged(self, fold, place):
+        """A fold that was searched for beyond a place, with its kind. One that lies before that is
+        not where the load that led there has its limit, but one of several."""
+        return replace(fold, fold_kind=fold.fold_kind or fold_kind(self.leg),
+                       resolved=0 if fold.position < place - SAME else fold.resolved)
 
     def _leave(self, fold, starts):
         """What follows a fold: nothing, or the point after the jump."""

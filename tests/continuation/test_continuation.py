@@ -4,6 +4,7 @@ closed form."""
 import weakref
 from contextlib import nullcontext
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -1475,3 +1476,16 @@ def test_jumps_of_a_body_that_nothing_holds_end(held, apart, ends):
         steps._leave_once_more(fold)
     with pytest.raises(NoEquilibrium, match="nothing holds the body") if ends else nullcontext():
         steps._leave_once_more(folds[REPEATED])
+
+
+@pytest.mark.parametrize("place, resolved", [(0.12, 1), (0.08, 0)])
+def test_a_fold_behind_the_last_point_is_one_of_several(place, resolved):
+    """The load that led to that point has its limit elsewhere."""
+    system = Landing([0.4])
+    history = system.points([0.0], [0.2])
+    fold = replace(history[-1][1], position=place, event="fold", fold_kind="pull_off",
+                   fold_precision=1e-9)
+    steps = NaturalSteps(system, UNIT_LEG, history, SECANT, "stop")
+    found, = steps._fold(NotConverged("refused"), kind=lambda *_: SimpleNamespace(
+        search=lambda *_: (fold, None, None)), starts=lambda *_: [])
+    assert (found.event, found.resolved) == ("fold", resolved)
