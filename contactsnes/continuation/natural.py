@@ -225,16 +225,14 @@ class NaturalSteps(LoadSteps):
             begins = [] if fold is None else starts(self.system, fold, beyond)
         else:
             near = self.system.within_range(fold)
-            fold = replace(fold, leg=self.leg.number, step=self.leg.initial,
-                           fold_precision=np.finfo(float).eps)
+            fold = self._judged(replace(fold, leg=self.leg.number, step=self.leg.initial,
+                                        fold_precision=np.finfo(float).eps), place)
             begins = [lambda: near]
         if fold is not None and last.event == "fold" and abs(fold.position - place) < SAME:
             yield from self._leave(replace(last, tangents=fold.tangents), begins)
             return
         try:
-            found = self._examined(passed if fold is None
-                                   else replace(fold, event="fold", fold_kind=fold.fold_kind
-                                                or fold_kind(self.leg)))
+            found = self._examined(passed if fold is None else replace(fold, event="fold"))
         except NotConverged as second:
             raise NoFold(f"{error}; arc length led to another branch: {second}") from None
         yield from self._arrive(*found)
@@ -244,8 +242,8 @@ class NaturalSteps(LoadSteps):
             yield from self._leave(self.history[-1][1], begins)
 
     def _judged(self, fold, place):
-        """A fold that was searched for beyond a place, with its kind. One that lies before that is
-        not where the load that led there has its limit, but one of several."""
+        """A fold beyond a place, with its kind. One that was found before that is not where the
+        load that led there has its limit, but one of several."""
         return replace(fold, fold_kind=fold.fold_kind or fold_kind(self.leg),
                        resolved=0 if fold.position < place - SAME else fold.resolved)
 
@@ -265,7 +263,6 @@ class NaturalSteps(LoadSteps):
                         event="jump")
         self.history = []
         yield self._accept(point)
-
 
     def _leave_once_more(self, fold):
         """NoEquilibrium, none that counts, where jump after jump begins at one load, since nothing

@@ -6,7 +6,7 @@ import numpy as np
 import scipy
 
 from .active import Nodes
-from .slab_nodes import SlabNodes, nearest_known
+from .slab_nodes import SlabNodes
 
 
 def nearest(field, source, window):
@@ -60,7 +60,7 @@ def _among_processes(field, source, window):
     """
     if isinstance(window, Nodes):
         if isinstance(source, SlabNodes):
-            return nearest_known(field, source, window)
+            return source.nearest(field, window)
         return _among_processes(field, source, window.hull).take(window.places, axis=-1)
     if isinstance(source, Nodes):
         field, source = source.filled(field), source.hull

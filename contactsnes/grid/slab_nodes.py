@@ -72,25 +72,24 @@ class SlabNodes(Nodes):
         """The way to all nodes."""
         return _Way(self, SlabNodes(self.hull, np.arange(self.hull.size)))
 
-    def way_to(self, window):
-        """The `_Way` of values to another window, which is found once for few of these."""
+    def nearest(self, field, window):
+        """Values of a field at nodes, where it is not known those of the nearest known node.
+
+        Parameters
+        ----------
+        field : array (components, nodes)
+        window : SlabNodes, where they are asked for
+        """
+        return self._way_to(window).given(field, self)
+
+    def _way_to(self, window):
+        """The way to another window, which is found once for few of these."""
         for other, way in self._ways:
             if other() is window:
                 return way
         way = _Way(self, window)
         self._ways = [(weakref.ref(window), way), *self._ways[:FEW - 1]]
         return way
-
-
-def nearest_known(field, source, window):
-    """Values of a field at nodes, where it is not known those of the nearest known node.
-
-    Parameters
-    ----------
-    field : array (components, nodes of the source)
-    source, window : SlabNodes
-    """
-    return source.way_to(window).given(field, source)
 
 
 class _Way:
