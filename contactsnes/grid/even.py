@@ -144,7 +144,7 @@ class EvenWindow:
         self.grid = EvenGrid(cell, reduce(np.multiply.outer, lines).reshape(-1))
 
     box, parts, total = Window.box, Window.parts, Window.total
-    occupied, own, line = Window.occupied, Window.own, Window.line
+    occupied, ends, own, line = Window.occupied, Window.ends, Window.own, Window.line
     divided, put_part, placed = Window.divided, Window.put_part, Window.placed
 
     def __eq__(self, other):

@@ -88,6 +88,11 @@ class Slab(Window):
             return self.rows.all(here[:, None])[:, 0]
         return self.grid.together(here) > 0.0
 
+    def ends(self, mask):
+        """As `windows.Window.ends`, of masks (rows, columns) whose rows others have, too."""
+        rows, columns = (np.flatnonzero(Window.occupied(self, mask, axis)) for axis in range(2))
+        return self.grid.ends([rows + self.rows.first, columns])
+
     def line(self, box, axis, through):
         """Values of a box along an axis, on the line through places of the other directions.
 

@@ -44,6 +44,7 @@ class SlabEven(EvenWindow):
 
     occupied, own, total, with_rows = Slab.occupied, Slab.own, Slab.total, Slab.with_rows
     line, divided, put_part, placed = Slab.line, Slab.divided, Slab.put_part, Slab.placed
+    ends = Slab.ends
     indices = None  # those of the cell are in other processes
 
     def _outwards(self, rows, values, extents):

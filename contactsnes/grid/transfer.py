@@ -116,11 +116,7 @@ def resampled(grid, finer, fields, make=None):
 
 def smooth(window, values, width):
     """Values (nodes) on a window blurred by about a Gaussian of standard deviation ``width``
-    (beta).
-
-    Three running means: no transform, and a cost that does not depend on the width. Periodic in
-    directions that the window fills; in others the values on its border continue outwards, in an
-    even window as their mirror images. Each box of several for itself.
+    (beta): zero where `blurred` leaves them out.
 
     Parameters
     ----------
@@ -130,24 +126,92 @@ def smooth(window, values, width):
     """
     if isinstance(window, Nodes):
         return smooth(window.hull, window.spread(values), width)[..., window.places]
-    if window.grid.shared:
-        return _smooth_rows(window, values, width)
-    box = window.box(values)
+    part, found = blurred(window, values, width)
+    out = np.zeros(window.box(values).shape)
+    out[(..., *window.parts[0].own(part)[1])] = found
+    return out.reshape(values.shape)
+
+
+def blurred(window, values, width):
+    """The part of each box beyond which values stay zero when they are blurred, slices, and blurred
+    values (..., *part) of what is here of it.
+
+    Three running means: no transform, and a cost that does not depend on the width. Periodic in
+    directions that the window fills; in others the values on its border continue outwards, in an
+    even window as their mirror images. Each box of several for itself.
+
+    Parameters
+    ----------
+    window, values, width : as of `smooth`, on a window of boxes
+    """
+    box, reaches = window.box(values), reach_of(window, width)
+    part, wide, inner = reached(window, box != 0.0, reaches)
+    found = around(window, box, wide, reaches[0]).astype(float)
     first = box.ndim - len(window.shape)
-    reaches = reach_of(window, width)
-    # Zeros far from all other values stay zeros; a mirror beyond them shows zeros, too.
-    part = (slice(None),) * first + tuple(extent(box != 0.0, axis, 3 * reach + 1)
-                                          for axis, reach in enumerate(reaches, first))
-    blurred, out = box[part].astype(float), np.zeros(box.shape)
-    negligible = 1e-12 * np.max(np.abs(blurred), initial=0.0)
-    for axis, (total, reach) in enumerate(zip(window.grid.shape, reaches), first):
-        mode = "wrap" if blurred.shape[axis] == total else "mirror" if window.even else "nearest"
-        for _ in range(3 if reach else 0):
-            blurred = scipy.ndimage.uniform_filter1d(blurred, 2 * reach + 1, axis=axis, mode=mode)
+    negligible = 1e-12 * window.grid.maximum(np.abs(found), initial=0.0)
+    for axis, (total, reach, line) in enumerate(zip(window.grid.shape, reaches, wide), first):
+        # Of slabs nothing that counts for the rows that are here is beyond those around them.
+        mode = ("nearest" if window.grid.shared and axis == first
+                else "wrap" if line.stop - line.start == total
+                else "mirror" if window.even else "nearest")
+        for _ in range(3 if reach and found.size else 0):
+            found = scipy.ndimage.uniform_filter1d(found, 2 * reach + 1, axis=axis, mode=mode)
     # Running sums leave rounding where they have passed the last value; there the blur is zero.
-    blurred[np.abs(blurred) < negligible] = 0.0
-    out[part] = blurred
-    return out.reshape(-1)
+    found[np.abs(found) < negligible] = 0.0
+    return part, window.grid.without_rows(found, 3 * reaches[0])[(..., *inner)]
+
+
+def reached(window, mask, reaches):
+    """The part of each box to which three running means take what is in a mask, slices; a node more
+    on all sides, beyond which are zeros; and the one of what is here of the other.
+
+    Parameters
+    ----------
+    window : as of `blurred`
+    mask : array of bool (..., *box)
+    reaches : as of `reach_of`
+    """
+    ends = window.parts[0].ends(mask.any(axis=tuple(range(mask.ndim - len(window.shape)))))
+    part, wide = (tuple(
+        _widened(*line, 3 * reach + more, *sizes, window.even)
+        for line, reach, *sizes in zip(ends, reaches, window.extents, window.grid.shape))
+        for more in (0, 1))
+    own, here = (window.parts[0].own(each)[1] for each in (part, wide))
+    return part, wide, tuple(slice(one.start - other.start, one.stop - other.start)
+                             for one, other in zip(own, here))
+
+
+def _widened(low, high, margin, count, total, even):
+    """From the first to the last place of a box's line, a margin wider, as far as it is known.
+
+    Parameters
+    ----------
+    low, high, margin, count, total : int; ``count`` of the ``total`` of the cell are the line
+    even : bool, whether it begins at its middle
+    """
+    if high < low:
+        return slice(0, 0)
+    first, after = low - margin, high + 1 + margin
+    if count == total and (first < 0 or after > count):
+        return slice(0, count)
+    return slice(0 if even else max(first, 0), min(after, count))
+
+
+def around(window, box, part, reach):
+    """What is here of a part of a box (..., *box); of slabs, with so many rows on either side as
+    three running means need.
+
+    Parameters
+    ----------
+    window, box : Window of one box or several, array
+    part : slices of the box
+    reach : int, nodes that a mean takes on either side of a row
+    """
+    own = window.parts[0].own(part)[1]
+    if not window.grid.shared:
+        return box[(..., *own)]
+    rows = window.with_rows(box[(..., *own[1:])], 3 * reach)
+    return rows[..., own[0].start:own[0].stop + 6 * reach, :]
 
 
 def reach_of(window, width):
@@ -160,26 +224,6 @@ def reach_of(window, width):
     # The variance of three uniform means of 2 k + 1 nodes is k (k + 1).
     return [min(round(math.sqrt(0.25 + (width / spacing) ** 2) - 0.5), (points - 1) // 2)
             for points, spacing in zip(window.extents, window.grid.spacings)]
-
-
-def _smooth_rows(window, values, width):
-    """`smooth` of a box of the cell, or of a quarter of one, of which some rows are here."""
-    grid, box = window.grid, window.box(values)
-    reaches = reach_of(window, width)
-    wide, first = window.rows.around(box, 3 * reaches[0], 3 * reaches[0]), box.ndim - 2
-    # as in one process, of what is here and near by
-    part = (slice(None),) * first + tuple(extent(wide != 0.0, axis, 3 * reach + 1)
-                                          for axis, reach in enumerate(reaches, first))
-    blurred, out = wide[part].astype(float), np.zeros(wide.shape)
-    for axis, reach in enumerate(reaches, first):
-        # beyond the rows that are here nothing is that counts for them
-        mode = ("nearest" if axis == first else "mirror" if window.even
-                else "wrap" if blurred.shape[axis] == grid.shape[1] else "nearest")
-        for _ in range(3 if reach and blurred.size else 0):
-            blurred = scipy.ndimage.uniform_filter1d(blurred, 2 * reach + 1, axis=axis, mode=mode)
-    blurred[np.abs(blurred) < 1e-12 * grid.maximum(np.abs(values), initial=0.0)] = 0.0
-    out[part] = blurred
-    return grid.without_rows(out, 3 * reaches[0]).reshape(values.shape)
 
 
 def refined(grid, values):

@@ -108,6 +108,12 @@ class Window:
         others = tuple(other for other in range(mask.ndim) if other != axis)
         return mask.any(axis=others) if others else mask
 
+    def ends(self, mask):
+        """The first and last place of each direction in which a mask (*box) holds; the last one
+        before the first where it holds nowhere."""
+        return self.grid.ends([np.flatnonzero(self.occupied(mask, axis))
+                               for axis in range(mask.ndim)])
+
     def along(self, line, axis):
         """A line of the window along an axis from what is known of it: it is all."""
         return line

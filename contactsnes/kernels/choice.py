@@ -14,7 +14,7 @@ from ..grid.contours import crossings
 from ..grid.cosines import Cosines
 from ..grid.counter import Counter
 from ..grid.splines import sources, spline
-from ..grid.transfer import smooth
+from ..grid.transfer import blurred
 from . import library
 
 LARGE = 2 ** 16
@@ -56,7 +56,7 @@ class Interpreted:
 
     compiled = False
     law_reason = None
-    spline, sources, smooth = staticmethod(spline), staticmethod(sources), staticmethod(smooth)
+    spline, sources, blurred = staticmethod(spline), staticmethod(sources), staticmethod(blurred)
     crossings, alternation = staticmethod(crossings), staticmethod(alternation)
 
     def __init__(self, reason):
@@ -120,7 +120,7 @@ class Compiled:
         from . import fftw, points, slab_even, slabs, splines, transforms
 
         self._cache, self._agreed, self.law_reason, self._plain = cache, agreed, None, None
-        self.spline, self.sources, self.smooth = splines.spline, splines.sources, slabs.smooth
+        self.spline, self.sources, self.blurred = splines.spline, splines.sources, slabs.blurred
         self.crossings, self.alternation = points.crossings, points.alternation
         fftw.remember(cache)
         self._kinds, self._slab = (transforms.Real, transforms.Cosines), slabs.SlabReal

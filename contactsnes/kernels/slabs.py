@@ -7,7 +7,6 @@ import weakref
 import numpy as np
 
 from ..grid import transfer
-from ..grid.active import Nodes
 from ..grid.fftw import pyfftw
 from ..grid.slab_transform import SlabTransform
 from . import structures
@@ -83,26 +82,27 @@ class OfLibrary:
                                    address(again), *_rows(box))
 
 
-def smooth(window, mask, width):
-    """A mask (nodes), blurred as by `grid.transfer.smooth`.
+def blurred(window, mask, width):
+    """A mask (nodes), blurred as by `grid.transfer.blurred`.
 
     Parameters
     ----------
     window, mask, width : as of that
     """
-    if isinstance(window, Nodes):
-        return smooth(window.hull, window.spread(mask), width)[window.places]
     if not window.grid.shared:
-        return transfer.smooth(window, mask, width)
-    reaches = transfer.reach_of(window, width)
-    wide, out = window.with_rows(window.box(mask), 3 * reaches[0]), np.empty(window.shape)
-    room, sums = np.empty((16, max(wide.shape))), np.empty(wide.shape, dtype=np.float32)
-    # rows beyond those that are here stand in the box
-    blur = structures.Blur(shape=wide.shape, reach=tuple(reaches), sums=address(room),
-                           wraps=(0, window.extents[1] == window.grid.shape[1]))
-    shared().smooth_mask(ctypes.addressof(blur), wide.ctypes.data, window.even, 3 * reaches[0],
-                         len(out), address(sums), address(out))
-    return out.reshape(-1)
+        return transfer.blurred(window, mask, width)
+    box, reaches = window.box(mask), transfer.reach_of(window, width)
+    part, wide, inner = transfer.reached(window, box, reaches)
+    wide = np.ascontiguousarray(transfer.around(window, box, wide, reaches[0]))
+    out = np.empty((len(wide) - 6 * reaches[0], wide.shape[1]))
+    if out.size:
+        room, sums = np.empty((16, max(wide.shape))), np.empty(wide.shape, dtype=np.float32)
+        # rows beyond those that are here stand in the box
+        blur = structures.Blur(shape=wide.shape, reach=tuple(reaches), sums=address(room),
+                               wraps=(0, wide.shape[1] == window.grid.shape[1]))
+        shared().smooth_mask(ctypes.addressof(blur), wide.ctypes.data, window.even, 3 * reaches[0],
+                             len(out), address(sums), address(out))
+    return part, out[inner]
 
 
 def _rows(box):

@@ -204,7 +204,7 @@ class MadeZone:
         for block, made in self._blocks:
             weights = [np.ascontiguousarray(weight) for weight in (made.into, made.back)]
             block.on, (block.into, block.back) = 1, map(address, weights)
-            block.first[:] = [part.start for part in made.core[1:]]
+            block.first[:] = [part.start for part in made.index[1:]]
             block.extent[:] = made.into.shape[1:]
             self._kept.append(weights)
         self.reference = ctypes.addressof(own)

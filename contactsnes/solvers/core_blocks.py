@@ -1,12 +1,45 @@
 """Blocks of the core-zone preconditioner: one component on circles around its core, in each box."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from ..grid.active import Nodes
 from ..grid.patches import circle_points, patch
-from ..grid.transfer import extent
+
+
+class Core(NamedTuple):
+    """Where a component is stiff.
+
+    Attributes
+    ----------
+    part : slices of each box that hold all of it; None: weights are those of some nodes of the cell
+    weight : array (boxes, *part) of what is here, or (1, nodes): its smoothed indicator a^2, 0 to 1
+    tangent : array (boxes,), D, its mean there, dimensionless
+    """
+
+    part: tuple
+    weight: np.ndarray
+    tangent: np.ndarray
+
+    def everywhere(self, window):
+        """The weights of all nodes, array (nodes,)."""
+        found = np.zeros(window.size)
+        on_part(window, self.part, found)[...] = self.weight
+        return found
+
+
+def on_part(window, part, values):
+    """Values (nodes) at what is here of a part of each box, as `Core` has its weights: a view.
+
+    Parameters
+    ----------
+    window, part, values : Window, and as of `Core`, array
+    """
+    boxes = values.reshape(1, -1) if part is None else values.reshape(len(window.parts),
+                                                                      *window.shape)
+    return boxes if part is None else boxes[(slice(None), *window.parts[0].own(part)[1])]
 
 
 class CoreBlock:
@@ -19,31 +52,30 @@ class CoreBlock:
     ----------
     form : DisplacementForm, linearised
     component : int
-    weight : array (nodes), a^2, 0 to 1
-    mean_tangent : array (boxes), D, dimensionless
+    core : Core
     pad : float >= 1, extent of the circle over that of the core
     scale : array (nodes), fields that M^-1 is applied to over those that r is; None: they are the
         same
 
     Attributes
     ----------
-    core : index of the core's nodes that are here in boxes
+    index : what picks the core's nodes that are here from boxes
     into, back : arrays (boxes, *core), a in the scales of r and of M^-1 r
     """
 
     apart = 1
 
-    def __init__(self, form, component, weight, mean_tangent, pad, scale=None):
+    def __init__(self, form, component, core, pad, scale=None):
         window = form.window
         self.boxes = (len(window.parts), *window.shape)
-        extents = self._find(window, weight, scale)
+        extents = self._find(window, core, scale)
         # Few sizes, so that transforms and symbols are made once and found again.
         circle = tuple(circle_points(_rounded(pad * extent), total, self.apart)
                        for extent, total in zip(extents, window.limits))
         self.transform, self.compliance = form.contact.circle(
             component, circle, window.even, len(window.parts),
             window.of(component) if window.even else None, self.apart)
-        self._stiffness, self._symbols = mean_tangent, {}
+        self._stiffness, self._symbols = core and core.tangent, {}
         self._lay_out(window)
 
     def circle(self, single):
@@ -53,19 +85,14 @@ class CoreBlock:
             self._symbols[single] = plan.inverted(self.compliance, self._stiffness)
         return plan, self._symbols[single]
 
-    def _find(self, window, weight, scale):
+    def _find(self, window, core, scale):
         """Take the core's nodes with their weights; its extents."""
-        box, hull = weight.reshape(self.boxes), window.parts[0]
-        stiff = (box > 0.0).any(axis=0) if len(box) > 1 else box[0] > 0.0
-        parts = [extent(hull.occupied(stiff, axis), 0) for axis in range(stiff.ndim)]
-        parts = tuple(slice(0, part.stop) if window.even else part for part in parts)
-        self._part, self.core = parts, (slice(None), *hull.own(parts)[1])
-        self.into = self.back = np.sqrt(box[self.core])
+        self._part, self.index = core.part, (slice(None), *window.parts[0].own(core.part)[1])
+        self.into = self.back = np.sqrt(core.weight)
         if scale is not None:
-            scale = scale.reshape(self.boxes)[self.core]
-            self.into = self.into / scale
-            self.back *= scale
-        return [part.stop - part.start for part in parts]
+            scale = on_part(window, core.part, scale)
+            self.into, self.back = self.into / scale, self.back * scale
+        return [line.stop - line.start for line in core.part]
 
     def _lay_out(self, window):
         """Find the core's place on the circle."""
@@ -73,7 +100,7 @@ class CoreBlock:
 
     def apply(self, field, single=False):
         """Replace a field (nodes) by M^-1 field: two transforms of the core's circle."""
-        core, (plan, symbol) = field.reshape(self.boxes)[self.core], self.circle(single)
+        core, (plan, symbol) = field.reshape(self.boxes)[self.index], self.circle(single)
         plan.enter(self.into, core)
         plan.filter(symbol)
         plan.leave(self.into, self.back, core)
@@ -137,16 +164,17 @@ class PatchedBlock(InPatches):
 
     Parameters
     ----------
-    form, component, weight, mean_tangent, pad, scale : as of `CoreBlock`, on a window of one box
-        whose fields have no scale
+    form, component, core, pad, scale : as of `CoreBlock`, on a window of one box whose fields have
+        no scale
     """
 
-    def __init__(self, form, component, weight, mean_tangent, pad, scale=None):
-        self.apart, self._within = patch(form.contact, component, float(mean_tangent[0]))
-        super().__init__(form, component, weight, mean_tangent, pad, scale)
+    def __init__(self, form, component, core, pad, scale=None):
+        self.apart, self._within = patch(form.contact, component, float(core.tangent[0]))
+        super().__init__(form, component, core, pad, scale)
 
-    def _find(self, window, weight, scale):
+    def _find(self, window, core, scale):
         """Take the core's nodes with their weights; its extents."""
+        weight = core.everywhere(window)
         self.core = np.flatnonzero(weight).astype(np.intc)
         self.into = np.sqrt(weight[self.core])
         return self._locate(window, self.core)

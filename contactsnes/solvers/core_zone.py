@@ -6,10 +6,18 @@ from typing import ClassVar
 
 import numpy as np
 
+from ..grid.active import Nodes
 from ..grid.patches import taken
 from ..kernels.zones import answers
 from ..options.fields import Options, option
-from .core_blocks import CoreBlock, CoupledBlock, PatchedBlock, inverse
+from .core_blocks import (
+    Core,
+    CoreBlock,
+    CoupledBlock,
+    PatchedBlock,
+    inverse,
+    on_part,
+)
 
 
 @dataclass(frozen=True)
@@ -27,9 +35,8 @@ class CoreOptions(Options):
                         minimum=1)
 
 
-def core_weight(form, component, options):
-    """Smoothed indicator a^2 of a component's core (nodes) and the mean tangent there in each box;
-    None where nothing is stiff.
+def core_of(form, component, options):
+    """A component's `Core`; None where nothing is stiff.
 
     Parameters
     ----------
@@ -37,19 +44,37 @@ def core_weight(form, component, options):
     component : int
     options : CoreOptions
     """
-    tangent = form.tangent[component, component]
+    tangent, window = form.tangent[component, component], form.window
     largest = form.grid.maximum(tangent)
     if largest <= 1e-6:
         return None
-    core, width = tangent > options.threshold * min(1.0, largest), options.width
-    smooth = form.contact.kernels.smooth
-    weight = smooth(form.window, core, width / form.contact.ranges[0])
-    np.minimum(weight, 1.0, out=weight)
-    grid, by_box = form.grid, (len(form.window.parts), -1)
-    count, total = grid.together([grid.sum_here(weight.reshape(by_box)),
-                                  grid.inner_here(weight.reshape(by_box),
-                                                  tangent.reshape(by_box))])
-    return weight, total / np.where(count > 0.0, count, 1.0)
+    stiff, width = tangent > options.threshold * min(1.0, largest), options.width
+    part, weight = weights(form.contact.kernels, window, stiff, width / form.contact.ranges[0])
+    counted = weight * on_part(window, part, form.grid.weights) if window.even else weight
+    by_box = len(window.parts), -1
+    stiffness = counted * on_part(window, part, tangent)
+    count, total = form.grid.together([each.reshape(by_box).sum(axis=-1)
+                                       for each in (counted, stiffness)])
+    return Core(part, weight, total / np.where(count > 0.0, count, 1.0))
+
+
+def weights(kernels, window, stiff, width):
+    """The part of each box that holds a core, and the weights there, as `Core` has them.
+
+    Parameters
+    ----------
+    kernels : `kernels.choice.Compiled` or `Interpreted`
+    window : Window
+    stiff : array of bool (nodes)
+    width : float, standard deviation of the blur, beta
+    """
+    if isinstance(window, Nodes):
+        part, found = kernels.blurred(window.hull, window.spread(stiff), width)
+        own = Core(part, found, None).everywhere(window.hull)[None, window.places]
+        return None, np.minimum(own, 1.0, out=own)
+    part, found = kernels.blurred(window, stiff, width)
+    found = found.reshape(len(window.parts), *found.shape[found.ndim - len(window.shape):])
+    return part, np.minimum(found, 1.0, out=found)
 
 
 class CoreZone:
@@ -103,12 +128,12 @@ class CoreZone:
         ----------
         component, options, single : int, and as of `CoreZone`
         """
-        zone = core_weight(self.form, component, options)
-        if zone is None:
+        core = core_of(self.form, component, options)
+        if core is None:
             return None
         window = self.form.window
         kind = PatchedBlock if taken(window) else CoreBlock
-        block = kind(self.form, component, *zone, options.pad, self._scale)
+        block = kind(self.form, component, core, options.pad, self._scale)
         return (block if len(window.parts) == 1
                 else CoupledBlock(self.form, component, block, single))
 

@@ -56,7 +56,7 @@ class Patches(InPatches):
     apart, _area = APART, float(APART ** 2)
 
     def __init__(self, form, component, pad, single):
-        super().__init__(form, component, None, None, pad)
+        super().__init__(form, component, None, pad)
         self.softest = np.nan
         self.between = compliance_between(form.contact, component, APART)
         plan = self._plan = self.transform.single if single else self.transform
@@ -69,7 +69,7 @@ class Patches(InPatches):
         self.library = OnTwoGrids(form.grid, plan, self._patch, self._number, self._area, LEFT,
                                   WITHIN * self.between) if compiled else None
 
-    def _find(self, window, weight, scale):
+    def _find(self, window, core, scale):
         """Take all nodes; their extents."""
         return self._locate(window, np.arange(window.size, dtype=np.intc))
 

@@ -10,7 +10,7 @@ from ..kernels.zones import MadeZone
 from ..options.database import read
 from ..options.fields import InputError
 from . import callbacks
-from .core_zone import CoreOptions, CoreZone, core_weight
+from .core_zone import CoreOptions, CoreZone, core_of
 from .operators import form_of, precision_of
 
 
@@ -34,17 +34,18 @@ class ZonedStiffness:
         self.transform = form.grid.transform(form.grid, form.grid.shape, 1)
         self.rigid = [i for i in range(form.components) if i not in form.forced
                       and form.rigid_compliance[i] == 0.0]
-        self.zones = [self._zones(i, core_weight(form, i, options)) for i in range(form.components)]
+        self.zones = [self._zones(i, core_of(form, i, options)) for i in range(form.components)]
         self._work = np.empty(form.nodes)
 
-    def _zones(self, i, zone):
+    def _zones(self, i, core):
         """[(root of weight, symbol), ...] of one component."""
         form = self.form
         stiffness = form.contact.operator(form.components,
                                           "stiffness").blocks[i, i] * form.grid.size
         smallest = form.grid.minimum(stiffness, where=stiffness > 0.0)
         form.grid.zero_wave(stiffness)[...] = form.mean_stiffness[i]
-        weight, tangent = (np.zeros(form.nodes), 1.0) if zone is None else zone
+        weight, tangent = ((np.zeros(form.nodes), 1.0) if core is None
+                           else (core.everywhere(form.window), core.tangent))
         zones = [(np.sqrt(weight), tangent), (np.sqrt(1.0 - weight), smallest)]
         return [(root, 1.0 / (stiffness + shift) / form.grid.size) for root, shift in zones]
 

@@ -119,8 +119,10 @@ for extents in (shape, (23, 32), (46, 15), (21, 11), (5, 7), (3, 5)):
         assert np.isclose(asymmetry(here, part(moved), parities), asymmetry(whole, moved, parities))
         blurred = smooth(all_quarter, folded[0] > 0.8, 0.3)
         for kernels in (chosen(True), chosen(False)):
-            assert np.allclose(kernels.smooth(quarter, own(folded)[0] > 0.8, 0.3),
-                               own(blurred[None])[0], rtol=0.0, atol=1e-12)
+            where, found = kernels.blurred(quarter, own(folded)[0] > 0.8, 0.3)
+            around = np.zeros(quarter.shape)
+            around[quarter.own(where)[1]] = found
+            assert np.allclose(around.reshape(-1), own(blurred[None])[0], rtol=0.0, atol=1e-12)
         assert np.isclose(asymmetry(here, mine, parities), asymmetry(whole, values, parities))
         if min(quarter.extents) > REACH + 1:
             image = parities[0][0] if parities else 1

@@ -15,7 +15,7 @@ from contactsnes.grid.active import some
 from contactsnes.kernels.choice import chosen
 from contactsnes.scene.settings import Scene
 from contactsnes.solvers import patch_systems
-from contactsnes.solvers.core_blocks import PatchedBlock
+from contactsnes.solvers.core_blocks import Core, PatchedBlock
 from contactsnes.solvers.patch_systems import Patches
 
 comm, random, shape = MPI.COMM_WORLD, np.random.default_rng(3), (48, 24)
@@ -41,7 +41,7 @@ def made(contact, part, kind, single):
         block.take(mine(tangent))
         assert bool(block.library) == contact.kernels.compiled
     else:
-        block = PatchedBlock(form, 0, mine(weight), np.array([1.0]), 1.25)
+        block = PatchedBlock(form, 0, Core(None, mine(weight)[None], np.array([1.0])), 1.25)
     out = mine(field)
     block.apply(out, single)
     found = np.zeros((1, *grid.local_shape))

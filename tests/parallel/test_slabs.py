@@ -17,7 +17,7 @@ from contactsnes.grid.spots import corrected_count, labelled, sizes
 from contactsnes.grid import slabs, transfer
 from contactsnes.grid.transfer import refined, resampled, smooth
 from contactsnes.interface.gap import is_convex
-from contactsnes.solvers.core_blocks import CoreBlock, PatchedBlock
+from contactsnes.solvers.core_blocks import Core, CoreBlock, PatchedBlock, on_part
 
 shape, periods = (46, 32), (5.0, 4.0)
 shared, alone = slabs.Slabs(shape, periods, MPI.COMM_WORLD), Grid(shape, periods)
@@ -118,7 +118,8 @@ def inverted(grid, rows, columns, circle, single, scattered):
             (points.circle or points.transform)(points, circle, 1),
             points.symbols(symbols, 1, circle)[0, 0])))
     make = PatchedBlock if scattered else CoreBlock
-    block = make(form, 0, part_of(grid)(weight).reshape(-1)[chosen], np.array([2.0]), 1.0)
+    part, weight = None if scattered else (rows, columns), part_of(grid)(weight).reshape(-1)[chosen]
+    block = make(form, 0, Core(part, on_part(window, part, weight), np.array([2.0])), 1.0)
     field = part_of(grid)(cell[0]).reshape(-1)[chosen].copy()
     block.apply(field, single)
     return on_cell(window, grid, field)

@@ -11,7 +11,7 @@ from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.problem import DISPLACEMENT
 from contactsnes.grid import patches
 from contactsnes.grid.slab_transform import shares
-from contactsnes.solvers.core_blocks import PatchedBlock
+from contactsnes.solvers.core_blocks import Core, PatchedBlock
 
 POINTS = 16, 24
 ONE_NODE = {1: math.inf}
@@ -31,7 +31,8 @@ def block_on(box=None, stiffness=3.0, **changes):
     window = contact.grid.box(*box) if box else contact.grid.whole
     form = DisplacementForm(contact, window, (DISPLACEMENT,))
     weight = np.random.default_rng(3).uniform(0.1, 1.0, window.size)
-    return PatchedBlock(form, 0, weight, np.array([stiffness]), 1.0), weight
+    core = Core(None, weight[None], np.array([stiffness]))
+    return PatchedBlock(form, 0, core, 1.0), weight
 
 
 def matrix(block, size):
