@@ -13,6 +13,7 @@ from ..kernels.choice import chosen
 from ..options.arguments import unfit
 from ..options.database import database
 from ..options.fields import InputError, as_text
+from ..scene.digits import check_depth
 from ..scene.isolation import check_form, largest_force
 from ..scene.parts import sources
 from ..scene.settings import attributes
@@ -80,8 +81,8 @@ def contact_of(scene, load, form, log):
 
     Raises
     ------
-    InputError : where the contact would reach the cell's edge, the form is not for it, or the log
-        is no function
+    InputError : where the contact would reach the cell's edge, or is pressed deeper than the law is
+        followed, the form is not for it, or the log is no function
     """
     if not callable(log):
         raise unfit("log", log, "a function of a sentence, as print is")
@@ -94,6 +95,7 @@ def contact_of(scene, load, form, log):
     else:
         contact = Contact(scene, kernels=kernels, grid=grid)
         refuse_contact_at_edge(shapes.of(scene), contact)
+        check_depth(scene, load, contact.mean_initial_gap, contact.rigid_compliance(1)[0])
     if kernels.law_reason:
         log(f"the law is evaluated by NumPy: {kernels.law_reason}")
     return contact

@@ -1,5 +1,5 @@
-"""Numbers of a scene and its load so large that double precision leaves nothing of the law's range,
-or of a pressure that the law has."""
+"""Numbers of a scene and its load so large that double precision leaves too little of the law's
+range, and loads that press deeper than the law is followed."""
 
 import math
 
@@ -9,9 +9,9 @@ from ..interface import laws
 from ..options.fields import InputError, as_text
 from .load import names, quantities
 
-FARTHEST = 1e-3 / np.finfo(float).eps
-"""Displacement, ranges of the law, whose last digit is a thousandth of a range: no gap is known any
-more, whatever the method."""
+FARTHEST = 1e-6 / np.finfo(float).eps
+"""Displacement, ranges of the law, whose last digit is a millionth of a range: no gap is known as
+well as a balance asks for, whatever the method."""
 
 
 def check(scene, load, sheared):
@@ -28,18 +28,45 @@ def check(scene, load, sheared):
     offset = scene.option_name("gap_offset")
     _check_length(scene, f"{offset} is '{as_text(scene.as_typed('gap_offset'))}'", scene.gap_offset,
                   "u_n,r", 0)
+    for what, component, control, value, unit in _controlled(scene, load):
+        if control == "displacement":
+            _check_length(scene, what, value, unit, component)
+        elif component == 0 and not scene.isolated:
+            _check_force(scene, what, value, unit)
+
+
+def check_depth(scene, load, gap, compliance):
+    """InputError, as of `check`, for a normal displacement that presses all of a cell deeper than
+    the law is followed.
+
+    Parameters
+    ----------
+    scene : Scene
+    load : Load
+    gap : float, mean initial gap of the cell, ranges of the law
+    compliance : float, of the mean displacement, ranges of the law over its unit of traction
+    """
+    law, most = laws.of(scene), _largest_pressure(scene)
+    deepest = (gap - law.deepest + compliance * most) / scene.normal_maugis
+    for what, component, control, value, unit in _controlled(scene, load):
+        if (component, control) == (0, "displacement") and value > deepest and most > 0.0:
+            raise InputError(f"{what}: allowed is at most {scene.short(deepest, unit, 2)}, where "
+                             f"the gap is {law.deepest:g} ranges of the law in the mean of the "
+                             "cell; try one of the size of the heights, and see whether it is in "
+                             "the unit of the scene")
+
+
+def _controlled(scene, load):
+    """(what to say of it, component, control, value, unit) of each value that the load names."""
     legs = scene.legs(load) if load.path else ()
-    controlled = [("-load_start", scene.initial(load)), *(("-load_path", leg.controls)
-                                                          for leg in legs)]
-    for source, controls in controlled:
+    for source, controls in [("-load_start", scene.initial(load)),
+                             *(("-load_path", leg.controls) for leg in legs)]:
         for component, (control, value) in controls.items():
             name = names(scene.dimension)[component, control]
             unit = quantities(scene.dimension)[name].unit
-            what = f"{source} has {name}={as_text(scene.told(value, unit))}"
-            if value is not None and control == "displacement":
-                _check_length(scene, what, value, unit, component)
-            elif value is not None and component == 0 and not scene.isolated:
-                _check_force(scene, what, value, unit)
+            if value is not None:
+                yield (f"{source} has {name}={as_text(scene.told(value, unit))}", component,
+                       control, value, unit)
 
 
 def _check_ranges(scene, sheared):
@@ -53,8 +80,8 @@ def _check_ranges(scene, sheared):
         if scene.units == "si":
             given = f"the {way} range of the law is {scene.short(1.0 / maugis, unit)}"
             most = f"at least {scene.short(1.0 / FARTHEST, unit, 2)}"
-        raise InputError(f"{given}: allowed is {most}, beyond which rounding leaves nothing of it; "
-                         "try a Maugis parameter from 0.1 to 20, as most contacts have")
+        raise InputError(f"{given}: allowed is {most}, beyond which rounding leaves too little of "
+                         "it; try a Maugis parameter from 0.1 to 20, as most contacts have")
 
 
 def _check_length(scene, what, value, unit, component):
@@ -71,17 +98,21 @@ def _check_length(scene, what, value, unit, component):
     most = FARTHEST / scene.ranges[component]
     if abs(value) > most:
         raise InputError(f"{what}: allowed is a size up to {scene.short(most, unit, 2)}, beyond "
-                         "which rounding leaves nothing of the law's range; try one of the size of "
-                         "the heights, and see whether it is in the unit of the scene")
+                         "which rounding leaves too little of the law's range; try one of the size "
+                         "of the heights, and see whether it is in the unit of the scene")
 
 
 def _check_force(scene, what, value, unit):
     """InputError for a normal force that the law does not bear where all of the cell is as deep in
     the flat as it is followed; parameters as of `_check_length`."""
-    law = laws.of(scene)
-    pressure = -float(law.traction(np.array([[law.deepest]]))[0, 0])
-    most = scene.normal_maugis * pressure * math.prod(scene.periods)
+    most = scene.normal_maugis * _largest_pressure(scene) * math.prod(scene.periods)
     if value > most > 0.0:
         raise InputError(f"{what}: allowed is at most {scene.short(most, unit, 2)}, what the law "
-                         f"bears at a gap of {law.deepest:g} ranges everywhere; try a smaller one, "
-                         "and see whether it is in the unit of the scene")
+                         f"bears at a gap of {laws.of(scene).deepest:g} ranges everywhere; try a "
+                         "smaller one, and see whether it is in the unit of the scene")
+
+
+def _largest_pressure(scene):
+    """What a law bears where it is followed no deeper, in its unit of traction."""
+    law = laws.of(scene)
+    return -float(law.traction(np.array([[law.deepest]]))[0, 0])

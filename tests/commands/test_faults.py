@@ -542,13 +542,20 @@ def test_numbers_beyond_computing_are_refused_with_the_option():
 
 
 @pytest.mark.parametrize("scene, load, words", [
-    ({"gap_offset": 1e16}, {}, "-scene_gap_offset is '1e+16': allowed is a size up to 4.5e+11"),
-    ({"normal_maugis": 1e20}, {}, "-scene_normal_maugis is '1e+20': allowed is at most 4.5e+12"),
+    ({"gap_offset": 1e16}, {}, "-scene_gap_offset is '1e+16': allowed is a size up to 4.5e+08"),
+    ({"normal_maugis": 1e20}, {}, "-scene_normal_maugis is '1e+20': allowed is at most 4.5e+09"),
     ({"tangential_maugis": 1e20}, {"path": "tangential_force=1"}, "-scene_tangential_maugis is"),
     ({}, {"path": "normal_force=1; normal_displacement=1e29"},
-     "-load_path has normal_displacement=1e+29: allowed is a size up to 4.5e+11"),
+     "-load_path has normal_displacement=1e+29: allowed is a size up to 4.5e+08"),
     ({}, {"start": "normal_displacement=-1e29"}, "-load_start has normal_displacement=-1e+29"),
+    ({}, {"path": "normal_displacement=-1e10"}, "-load_path has normal_displacement=-1"),
     ({}, {"path": "tangential_displacement=1e29"}, "-load_path has tangential_displacement"),
+    # mean(g0) is L^2/24, and D compresses a compressible layer, too
+    ({"period": 12.0, "normal_maugis": 3.0}, {"path": "normal_displacement=1e5"},
+     "-load_path has normal_displacement=100000: allowed is at most 16 u_n,r"),
+    ({"period": 12.0, "geometry": "flat"}, {"start": "normal_displacement=3.1"},
+     "-load_start has normal_displacement=3.1: allowed is at most 3 u_n,r"),
+    ({"geometry": "flat", "poisson": 0.3}, {"path": "normal_displacement=1e18"}, "allowed"),
     ({}, {"path": "normal_force=1e29"}, "-load_path has normal_force=1e+29: allowed is at most"),
     ({"dimension": 2, "geometry": "sphere", "points": 32},
      {"path": "tangential_displacement_y=1e20"}, "-load_path has tangential_displacement_y=")])
@@ -563,7 +570,7 @@ def test_numbers_that_rounding_leaves_no_range_of_are_told_in_the_units_of_the_s
     si = {"units": "si", "work_of_adhesion_normal": 0.03, "work_of_adhesion_tangential": 0.03,
           "contact_modulus": 2e6, "radius": 0.01, "range_normal": 1e-7, "range_tangential": 1e-6}
     for changes, path, words in (({"range_normal": 1e-25}, "normal_force=1", "the normal range of"),
-                                 ({}, "normal_displacement=1e9", r"up to 4\.5e\+02 km")):
+                                 ({}, "normal_displacement=1e9", r"up to 4\.5e\+02 m")):
         with pytest.raises(InputError, match=words):
             Branch(Scene.typed(**{**si, **changes}), Load(path=path))
 
