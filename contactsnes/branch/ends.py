@@ -77,6 +77,20 @@ class Ends:
                 return "the whole contact slides without end"
         return ""
 
+    def pulled_away(self, point, leg):
+        """Why a leg whose force pulls a body out of the law's range has no equilibrium, in words,
+        or "": branches that come from there, out of touch under a pull, begin infinitely far away,
+        and none is the body's.
+
+        Parameters
+        ----------
+        point, leg : Point, Leg
+        """
+        pulled = leg.controls[0] == FORCE and leg.direction[0] < 0.0 and not point.in_contact
+        away = pulled and self.contact.grid.minimum(
+            states.normal_gap(self.contact, point.state)) > self.contact.law.range
+        return "nothing holds a body that is pulled out of the law's range" if away else ""
+
     def end_of_attraction(self, point, leg, position):
         """The fold, at its position, of a body that a growing force moves off the flat or where
         slip has left nothing but repulsion, or of one that glides, under a falling force or pressed

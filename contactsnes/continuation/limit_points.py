@@ -87,7 +87,7 @@ class LimitPoint:
 
     def locate(self):
         """The fold, with its tangents; NotConverged where its load does not become known to
-        FOLD_TOLERANCE."""
+        FOLD_TOLERANCE, or is none that the load has its limit at between the two points."""
         first = (self.left, self.right)
         proposals = (self._smooth, self._corner, self._middle)
         mode = 0
@@ -109,8 +109,17 @@ class LimitPoint:
             raise NotConverged(f"the load turns beyond {place}, but where is "
                                f"known to {before:.2g} of it only, no fold "
                                f"(known to {FOLD_TOLERANCE:g})")
-        return replace(self._fold(self._is_corner(*first)),
-                       fold_precision=max(before, np.finfo(float).eps))
+        fold = self._fold(self._is_corner(*first))
+        self._check_outermost(fold, first)
+        return replace(fold, fold_precision=max(before, np.finfo(float).eps))
+
+    def _check_outermost(self, fold, first):
+        """NotConverged for a fold that the load has passed at the ends that its bracket began with,
+        and has to turn before: it is one of several, or another branch's."""
+        passed = max(self.sign * (end.point.position - fold.position) for end in first)
+        if passed > 0.0 and self.relative(passed) > FOLD_TOLERANCE:
+            raise NotConverged("the load turns more than once between two points, or the search "
+                               "for the fold came upon another branch")
 
     def uncertainty(self):
         """What the load may lack to its limit, relative to itself."""

@@ -54,6 +54,13 @@ def branch(system, start, legs, *, predictor=PREDICTORS["edge"], at_fold="jump",
             return
 
 
+def _check_held(system, point, leg):
+    """NoEquilibrium where a leg pulls a body that nothing holds."""
+    away = system.pulled_away(point, leg)
+    if away:
+        raise NoEquilibrium(f"no equilibrium at {system.told(leg.controls, leg.load(1.0))}: {away}")
+
+
 def _not_archived(system, emitted):
     """Further events at the load of the last point, without which it may have been archived."""
     last = replace(emitted[-1], spent=dict.fromkeys(system.account(), 0))
@@ -63,6 +70,7 @@ def _not_archived(system, emitted):
 def _along(steps, emitted, stops):
     """The points of a leg with their further events, kept among the last ones that were
     ``emitted``; a pull-off that is to end the path ends it here."""
+    _check_held(steps.system, emitted[-1], steps.leg)
     try:
         for arrived in steps:
             for point in with_events(emitted[-1], arrived):

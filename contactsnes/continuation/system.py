@@ -187,6 +187,16 @@ class Limits(Protocol):
         heading : 1 or -1
         """
 
+    def pulled_away(self, point: Point, leg: Leg) -> str:
+        """Why a leg that begins at a point has no equilibrium, since it pulls a body that nothing
+        holds, in words, or "".
+
+        Parameters
+        ----------
+        point : Point
+        leg : Leg
+        """
+
     def end_of_attraction(self, point: Point, leg: Leg, position: float) -> Optional[Point]:
         """The fold, with its position, where a growing force ends what attracts a free body, or a
         falling one what moves a gliding body; None for any other.

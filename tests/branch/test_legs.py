@@ -14,7 +14,7 @@ from contactsnes.branch import first_points  # noqa: E402
 from contactsnes.branch.branch import Branch  # noqa: E402
 from contactsnes.branch.tracing import Tracer  # noqa: E402
 from contactsnes.contact import states  # noqa: E402
-from contactsnes.continuation.points import Leg, NotConverged  # noqa: E402
+from contactsnes.continuation.points import Leg, NoEquilibrium, NotConverged  # noqa: E402
 from contactsnes.scene.load import Load, controls_along  # noqa: E402
 from contactsnes.scene.settings import Form, Scene, Steps  # noqa: E402
 
@@ -338,3 +338,18 @@ def test_a_body_that_nothing_holds_is_told(changes, path, told, stability):
     last = [point for point in points if point.leg == 3][-1]
     assert last.stable == (0 if told else 1 if stability == "sign" else -1)
     assert all(point.stable != 0 for point in points if point.leg < 3 and point.event != "fold")
+
+
+@pytest.mark.parametrize("scene, start, path", [
+    (ALONE, None, "normal_force=-0.5"),
+    (ALONE, None, "normal_force=0; normal_force=-0.01; normal_force=-1"),
+    (Scene(geometry="sphere", dimension=2, period=float("inf"), normal_maugis=1.0, spacing=0.8),
+     None, "normal_force=-0.5"), (LINE, "normal_displacement=-60", "normal_force=-0.5")])
+def test_a_body_that_is_pulled_out_of_the_laws_range_has_no_equilibrium(scene, start, path):
+    """Whatever the last digits of a solve: the branch that comes in from infinity is not its
+    own."""
+    branch, found = Branch(scene, Load(start=start, path=path)), []
+    with pytest.raises(NoEquilibrium, match="pulled out of the law's range"):
+        for point in branch:
+            found.append(point)
+    assert all(point.forces[0] == pytest.approx(0.0, abs=1e-7) for point in found)

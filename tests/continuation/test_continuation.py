@@ -206,6 +206,9 @@ class System:
 
     end_of_attraction = neutral = within_range
 
+    def pulled_away(self, *_):
+        return ""
+
     def along_tangent(self, point, leg, position, step):
         load = leg.load(position)[leg.moving]
         slope = -np.linalg.solve(self.problem.jacobian(point.state, load),
@@ -842,6 +845,23 @@ def test_a_fold_is_located_on_its_branch(end, softest, tight, sentence):
     limit = LimitPoint(system, leg, before, beyond)
     found = followed(limit._point_at(0.5 * limit.right.place, tight) for _ in range(1))[1]
     assert sentence in str(found) if sentence else found is None
+
+
+@pytest.mark.parametrize("end, first", [(2.0, True), (9.0, False)])
+def test_a_fold_that_the_load_has_passed_before_its_bracket_is_not_its_limit(end, first):
+    """load = 2 sin u - u/10 has its first limit from u = 1.3 on where cos u = 1/20, and the next
+    one a period later, below the load at u = 1.3."""
+    def load(u):
+        return 2 * np.sin(u) - 0.1 * u
+
+    system = System(curve(load, lambda u: 2 * np.cos(u) - 0.1))
+    leg = Leg(1, ("displacement",), np.array([-4.0]), np.array([4.0]), 0, 0.025, 0.05, 1e-6)
+    places = [(load(u) + 4.0) / 8.0 for u in (1.3, end)]
+    peak = LimitPoint(system, leg, *(system._point(np.array([u]), leg.load(place), 3).changed(
+        position=place) for u, place in zip((1.3, end), places)))
+    assert peak.bracketed
+    with nullcontext() if first else pytest.raises(NotConverged, match="more than once"):
+        assert peak.locate().state[0] == pytest.approx(np.arccos(0.05), abs=1e-6)
 
 
 @pytest.mark.parametrize("end, back", [(0.001, True), (0.01, False), (-0.2, False), (-0.01, True)])
