@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..contact import places, states
+from ..contact import combining, places, states
 from ..contact.acceptance import strayed
 from ..contact.energies import weights
 from ..contact.interface_work import released, straight
@@ -81,7 +81,7 @@ def _crossing(system, last, load, beyond, where):
         ahead = level.prolonged(found.ahead)
         if behind is not None:
             # Both are as far from the finer grid's own states.
-            ahead = states.combined(system.contact, [ahead, behind.state,
+            ahead = combining.combined(system.contact, [ahead, behind.state,
                                                      level.prolonged(found.behind.state)],
                                     [1.0, 1.0, -1.0])
         return found._replace(before=before, behind=behind, ahead=ahead)
@@ -129,7 +129,7 @@ def _begun(system, last, beyond):
     far = max(states.missed(contact, last.state, ahead),
               states.missed(contact, last.state, ahead, largest=True) / 3.0)
     part = BEGUN / max(far, 2.0 * BEGUN)
-    return states.combined(contact, [ahead, last.state], [part, 1.0 - part])
+    return combining.combined(contact, [ahead, last.state], [part, 1.0 - part])
 
 
 def _leg(point, load):
@@ -246,7 +246,7 @@ def _stepped(system, known, place, begin, end):
     guess = last.state
     if len(known) > 1:
         part = (place - here) / (here - known[-2][0])
-        guess = states.combined(system.contact, [known[-2][1].state, guess], [-part, 1.0 + part])
+        guess = combining.combined(system.contact, [known[-2][1].state, guess], [-part, 1.0 + part])
     try:
         point = system.solve(guess, last.controls, begin + place * (end - begin))
     except NotConverged:

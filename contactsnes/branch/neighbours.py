@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..contact import acceptance, states
+from ..contact import acceptance, combining, states
 from ..contact.edges import follow_edge
 from ..contact.fronts import fronts_foretold, fronts_moved
 
@@ -30,7 +30,7 @@ class Neighbours:
 
     def extrapolate(self, points, weights):
         """Weighted sum of states at fixed places."""
-        return states.combined(self.contact, [point.state for point in points], weights)
+        return combining.combined(self.contact, [point.state for point in points], weights)
 
     def follow_edge(self, points, weights):
         """Weighted sum of states in coordinates that follow the contact edge, or None."""

@@ -6,12 +6,12 @@ import scipy
 
 from ..grid.active import Nodes
 from ..grid.boxes import MOST
-from ..grid.transfer import extent
 from ..grid.windows import Window
 from ..kernels.splines import followed
+from .combining import combined, without_overlap
 from .fronts import FAR, LEAST, followed_places, in_cohesive_lengths, nodes_between
-from .state import State, alike, onto, spread, weighted
-from .states import NEAR, combined, normal_gap, wider
+from .state import State, alike, below, onto, spread, weighted
+from .states import NEAR, normal_gap, wider
 from .survey import gaps_once
 
 STRETCH = 0.25
@@ -91,16 +91,17 @@ def _followed(contact, states, nodes, known, weights, places, target):
     known : displacements of all states at these
     places, target : of `_moved_places`
     """
-    window, initial, far = states[-1].window, contact.gap_on(nodes), weighted(known, weights)
-    part, near = _near_part(contact, nodes, known[-1][0] + initial)
-    far[0] += initial
-    nodes.parts[0].put_part(weighted([_stretched(contact, state, window, place, target, part)
-                                      for state, place in zip(states, places)], weights),
-                            nodes.box(far), near)
-    # An extrapolation into deep overlap would meet the exponential.
-    np.maximum(far[0], contact.grid.minimum(known[-1][0] + initial) - 1.0, out=far[0])
-    far[0] -= initial
-    return far
+    window, initial, hull = states[-1].window, contact.gap_on(nodes), nodes.parts[0]
+    found, floor = without_overlap(contact, nodes, known, weights)
+    part, near = _near_part(nodes, below(known[-1][0], initial, contact.law.range))
+    moved = weighted([_stretched(contact, state, window, place, target, part)
+                      for state, place in zip(states, places)], weights)
+    hull.put_part(moved, nodes.box(found), near)
+    here = hull.own(near)[1]
+    normal = nodes.box(found[0])[here]
+    np.maximum(normal, floor, out=normal)
+    normal -= nodes.box(initial)[here]
+    return found
 
 
 def _moved_places(contact, states, known, weights):
@@ -148,24 +149,25 @@ def _in_order(places):
     return all(after - before >= LEAST for line in places for before, after in zip(line, line[1:]))
 
 
-def _near_part(contact, nodes, gap):
-    """The part of the nodes' box where the law acts on a normal gap, two nodes wider: slices of the
-    window's box that this process is to find, and of the box of the nodes all of it.
+def _near_part(nodes, near):
+    """The part of the nodes' box where the law acts, two nodes wider: slices of the window's box
+    that this process is to find, and of the box of the nodes all of it.
 
     Parameters
     ----------
-    contact : Contact
     nodes : Window, or EvenWindow, whose box begins in the middle of the window's
-    gap : array (nodes), delta_n
+    near : mask (nodes) of those where the law acts
     """
-    near, box = nodes.box(gap) < contact.law.range, nodes.parts[0]
-    lines = [box.occupied(near, axis) for axis in range(near.ndim)]
+    box = nodes.parts[0]
+    ends = [(low - 2, high + 3) if low <= high else (0, 0)
+            for low, high in box.ends(nodes.box(near))]
     if not nodes.even:
-        part = tuple(extent(line, 0, margin=2) for line in lines)
+        part = tuple(slice(*line) if 0 <= line[0] and line[1] <= n else slice(0, n)
+                     for line, n in zip(ends, box.extents))
         return box.divided(part), part
     # where the cell closes, the last node of the half stands before the first one of the window
-    part = tuple(slice(0, min(extent(line, 0).stop + 2, n - n // 2))
-                 for line, n in zip(lines, nodes.full.extents))
+    part = tuple(slice(0, min(max(after, 2), n - n // 2))
+                 for (_, after), n in zip(ends, nodes.full.extents))
     return tuple(slice(count // 2 + mine.start, count // 2 + mine.stop)
                  for mine, count in zip(box.divided(part), nodes.full.extents)), part
 
@@ -212,7 +214,7 @@ def carried(contact, changes, origin, state):
     known = (None if isinstance(window, Nodes) or contact.grid.shared
              else followed_places(contact, [origin, state]))
     if known is not None:
-        part, _ = _near_part(contact, window, normal_gap(contact, state))
+        part, _ = _near_part(window, normal_gap(contact, state) < contact.law.range)
         places = known[0] + nodes_between(window, origin.window)[:, None]
         together.displacement[0] -= contact.gap_on(together.window)
         if isinstance(together.window, Nodes):

@@ -14,7 +14,7 @@ from ..grid.cell import Convolution
 from ..grid.roots import bracketed_root
 from ..kernels import points
 from .problem import APPROACH, FORCE, SUPPORT
-from .state import State, alike, once_or_all, onto, spread, weighted
+from .state import State, alike, once_or_all, onto, spread
 
 REACH = 10.0
 """Normal gap, in ranges, below which the law acts."""
@@ -165,32 +165,6 @@ def with_components(state, components):
     for kept, values in ((displacement, known), (means, state.means)):
         kept[:len(values)] = values[:components]
     return spread(nodes, displacement, means)
-
-
-def combined(contact, states, weights):
-    """Weighted sum of states at fixed places, on the window of the last, without overlap much
-    deeper than its.
-
-    Parameters
-    ----------
-    contact : Contact
-    states : list of State
-    weights : numbers, one a state
-    """
-    _, nodes, (last, *others) = alike(contact, states[-1:], states[:-1])
-    compiled = contact.kernels.compiled and len(states) <= points.MOST
-    gap, known = contact.gap_on(nodes), [*others, last]
-    closest = points.closest(last[0], gap) if compiled else np.min(last[0] + gap, initial=np.inf)
-    floor = -contact.grid.largest(-closest) - 1.0
-    displacement = (points.combined if compiled else _combined)(known, weights, gap, floor)
-    return spread(nodes, displacement, weighted([state.means for state in states], weights))
-
-
-def _combined(known, weights, initial_gap, floor):
-    """As `kernels.points.combined`."""
-    displacement = weighted(known, weights)
-    np.maximum(displacement[0], floor - initial_gap, out=displacement[0])
-    return displacement
 
 
 def distance(contact, first, second):

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..contact import states
+from ..contact import combining, states
 from ..contact.energies import weights
 from ..contact.force_form import ForceForm
 from ..contact.interface_work import FAR_PANELS, straight
@@ -60,7 +60,7 @@ def kicked(system, fold, beyond, part):
         beyond = states.State(change.window, states.onto(state, change.window)
                               + change.displacement, state.means + change.means)
     part *= read(MotionOptions).kick / max(states.missed(system.contact, state, beyond), 1e-12)
-    return states.combined(system.contact, [beyond, state], [part, 1.0 - part])
+    return combining.combined(system.contact, [beyond, state], [part, 1.0 - part])
 
 
 def settle(system, state, controls, load, where, origin=None):

@@ -7,6 +7,7 @@ import scipy.fft
 
 from contactsnes.branch.branch import Branch
 from contactsnes.contact import states
+from contactsnes.contact.combining import combined
 from contactsnes.contact.edges import follow_edge
 from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.problem import DISPLACEMENT, Contact
@@ -412,7 +413,7 @@ def test_each_spot_is_followed_on_its_own():
         found = follow_edge(contact, given[:3], weights)
         near = states.normal_gap(contact, given[3]) < 10.0
         wrong, still = (np.abs(state.displacement - given[3].displacement)[0, near].max()
-                        for state in (found, states.combined(contact, given[:3], weights)))
+                        for state in (found, combined(contact, given[:3], weights)))
         assert found.window == window and wrong < 2e-3 and wrong < 0.05 * still
 
 

@@ -7,6 +7,7 @@ import pytest
 from contactsnes import Branch, Load
 from contactsnes.contact import edges as following
 from contactsnes.contact import fronts, nearing, states
+from contactsnes.contact.combining import combined
 from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact
 from contactsnes.contact.state import PART, Mirrored, below, everywhere
 from contactsnes.continuation.points import lagrange_weights
@@ -332,7 +333,7 @@ def test_combined_is_the_weighted_sum_on_the_last_window():
     windows = [Window(contact.grid, (POINTS // 2 - n,), (2 * n + 1,)) for n in (50, 52, 55)]
     given = [parabola(contact, window, half) for window, half in zip(windows, (1.8, 1.9, 2.0))]
     weights = lagrange_weights([0.0, 1.0, 2.0], 2.2)
-    found = states.combined(contact, given, weights)
+    found = combined(contact, given, weights)
     assert found.window == windows[-1]
     expected = sum(weight * states.onto(state, windows[-1])
                    for weight, state in zip(weights, given))
@@ -347,7 +348,7 @@ def test_combined_does_not_go_into_deep_overlap():
     contact = line()
     window = Window(contact.grid, (POINTS // 2 - 51,), (103,))
     given = [parabola(contact, window, 2.0, opening=opening) for opening in (10.0, 20.0)]
-    found = states.combined(contact, given, np.array([-3.0, 4.0]))
+    found = combined(contact, given, np.array([-3.0, 4.0]))
     assert states.normal_gap(contact, found).min() == pytest.approx(states.normal_gap(contact,
                                                                                       given[
         -1]).min() - 1.0)
@@ -379,7 +380,7 @@ def test_following_the_edge_is_exact_for_a_profile_that_travels(components):
         found = following.follow_edge(contact, given[2 - order:3], weights)
         near = states.normal_gap(contact, given[3]) < 0.7 * states.NEAR
         wrong = np.abs(found.displacement - given[3].displacement)[:, near].max()
-        still = np.abs(states.combined(contact, given[2 - order:3], weights).displacement
+        still = np.abs(combined(contact, given[2 - order:3], weights).displacement
                        - given[3].displacement)[:, near].max()
         assert wrong < 1e-3 and wrong < 0.02 * still
         np.testing.assert_allclose(found.means,
@@ -479,7 +480,7 @@ def test_following_the_edge_in_two_dimensions(boxed):
     found = following.follow_edge(contact, given[:3], weights)
     near = states.normal_gap(contact, given[3]) < 0.7 * states.NEAR
     wrong, still = (np.abs(state.displacement - given[3].displacement)[:, near].max()
-                    for state in (found, states.combined(contact, given[:3], weights)))
+                    for state in (found, combined(contact, given[:3], weights)))
     assert wrong < 0.01 and wrong < 0.1 * still
     np.testing.assert_allclose(found.means, weights @ [state.means for state in given[:3]])
 
@@ -555,7 +556,7 @@ def test_following_slip_fronts(residual, points):
     ahead = following.follow_edge(contact, given[:3], weights)
     inside = np.abs(contact.grid.coordinates()[0].reshape(-1)) < 2.8
     wrong, still = (np.abs(state.displacement - given[3].displacement)[1, inside].max()
-                    for state in (ahead, states.combined(contact, given[:3], weights)))
+                    for state in (ahead, combined(contact, given[:3], weights)))
     rise = 100.0 * contact.grid.spacings[0] * contact.law.tangential_peak / contact.law.slip_peak
     assert (wrong < 0.2 * still) == (residual < 1.0 or rise < 1.0)
 
@@ -575,7 +576,7 @@ def test_short_steps_after_long_ones_follow_fronts_too():
         weights = lagrange_weights(range(3), time)
         ahead = following.follow_edge(contact, given, weights)
         wrong, still = (np.abs(state.displacement - at(time).displacement)[1, inside].max()
-                        for state in (ahead, states.combined(contact, given, weights)))
+                        for state in (ahead, combined(contact, given, weights)))
         assert 0.5 * (abs(time - 2.0)) < fronts.FAR and wrong < 0.2 * still
 
 

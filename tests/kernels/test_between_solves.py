@@ -9,6 +9,7 @@ from scipy import ndimage
 from contactsnes import Contact, Scene
 from contactsnes.contact import (
     acceptance,
+    combining,
     edges,
     energies,
     fronts,
@@ -173,7 +174,7 @@ def test_combined_states(components, nodes, count):
     given = list(known), np.array([1.5, -0.7, 0.3, 0.2])[:count], gap
     for floor in (-np.inf, 1.0):
         np.testing.assert_allclose(points.combined(*given, floor),
-                                   states._combined(*given, floor), rtol=1e-14, atol=1e-15)
+                                   combining._combined(*given, floor), rtol=1e-14, atol=1e-15)
     assert np.min(points.combined(*given, 1.0)[0] + gap) >= 1.0 - 1e-14
     assert points.closest(known[0][0], gap) == np.min(known[0][0] + gap)
 
@@ -342,10 +343,10 @@ def test_halves_tell_what_all_nodes_do(name, extent):
     for largest in (False, True):
         np.testing.assert_allclose(states.missed(contact, other, half, largest),
                                    states.missed(contact, *plain[:2], largest), rtol=1e-12)
-    ahead = states.combined(contact, [other, half, moved], [1.0, -3.0, 3.0])
+    ahead = combining.combined(contact, [other, half, moved], [1.0, -3.0, 3.0])
     assert ahead.half == half.half
     np.testing.assert_allclose(ahead.displacement,
-                               states.combined(contact, plain, [1.0, -3.0, 3.0]).displacement,
+                               combining.combined(contact, plain, [1.0, -3.0, 3.0]).displacement,
                                atol=1e-12)
 
 
