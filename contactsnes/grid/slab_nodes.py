@@ -103,21 +103,20 @@ class _Way:
     def __init__(self, source, window):
         rows = source.grid.rows
         self._reach = min(NEARBY, rows.fewest)
-        here = np.zeros(source.shape, dtype=bool)
+        here, columns = np.zeros(source.shape, dtype=bool), source.shape[1]
         here.reshape(-1)[source.places] = True
-        across, self._far = np.array(window.indices), None
-        missing = np.flatnonzero(~here[tuple(across)])
+        missing, self._far = np.flatnonzero(~here.reshape(-1).take(window.places)), None
         if not source.grid.any(missing.size):
             self._reach = 0
-        else:
-            wide = rows.around(here, self._reach, self._reach)
-            across[0] += self._reach
-            if source.grid.any(missing.size and not wide.any()):
-                self._far = missing, across[:, missing] - [[self._reach - rows.first], [0]]
-            elif missing.size:
-                across[:, missing] = _nearest_places(wide, across[:, missing])
         # numbers of nodes among this process's rows with those around
-        self._numbers = across[0] * source.shape[1] + across[1]
+        self._numbers = numbers = window.places + np.intp(self._reach * columns)
+        if self._reach:
+            wide, asked = rows.around(here, self._reach, self._reach), numbers[missing]
+            if source.grid.any(missing.size and not wide.any()):
+                row, column = np.divmod(asked, columns)
+                self._far = missing, np.array([row + rows.first - self._reach, column])
+            elif missing.size:
+                numbers[missing] = _nearest_numbers(wide, asked)
 
     def given(self, field, source):
         """Values of a field (components, nodes of the source) at the window's nodes.
@@ -137,25 +136,26 @@ class _Way:
         return found
 
 
-def _nearest_places(known, places):
-    """Rows and columns of the nearest known node of each place, among columns that close on
-    themselves.
+def _nearest_numbers(known, asked):
+    """Numbers of the nearest known nodes of some, among columns that close on themselves.
 
     Parameters
     ----------
     known : mask (rows, columns), somewhere True
-    places : array of int (2, places)
+    asked : array of int (nodes,), their numbers
     """
     columns = known.shape[1]
+    place = np.divmod(asked, columns)
     for aside in (columns // 4, columns // 2):  # of the second half: one is that near
         apart = np.pad(~known, ((0, 0), (aside, aside)), mode="wrap")
         nearest = scipy.ndimage.distance_transform_edt(apart, return_distances=False,
-                                                 return_indices=True)
-        row, column = nearest[:, places[0], places[1] + aside]
-        column = column - aside
-        away = (row - places[0]) ** 2 + (column - places[1]) ** 2
+                                                       return_indices=True)
+        at = place[0] * apart.shape[1] + place[1] + aside
+        row, column = (each.reshape(-1).take(at) for each in nearest)
+        away = (row - place[0]) ** 2 + (column - aside - place[1]) ** 2
         if aside == columns // 2 or away.max() <= aside ** 2:
-            return row, column % columns
+            wrapped = np.arange(-aside, columns + aside) % columns
+            return row * columns + wrapped.take(column)
 
 
 def _from_everywhere(field, source, found, missing, wanted):

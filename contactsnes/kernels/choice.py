@@ -117,13 +117,13 @@ class Compiled:
     compiled, reason = True, None
 
     def __init__(self, cache, agreed):
-        from . import fftw, points, slab_even, slabs, splines, transforms
+        from . import fftw, points, slab_even, slab_real, slabs, splines, transforms
 
         self._cache, self._agreed, self.law_reason, self._plain = cache, agreed, None, None
         self.spline, self.sources, self.blurred = splines.spline, splines.sources, slabs.blurred
         self.crossings, self.alternation = points.crossings, points.alternation
         fftw.remember(cache)
-        self._kinds, self._slab = (transforms.Real, transforms.Cosines), slabs.SlabReal
+        self._kinds, self._slab = (transforms.Real, transforms.Cosines), slab_real.SlabReal
         self._slab_even = slab_even.SlabEvenReal
         self._kept = lru_cache(maxsize=24)(self._make)
         self._held = WeakValueDictionary()

@@ -12,7 +12,7 @@ from .asked import raise_error, sums
 from .laws import kernel_of
 from .responses import response
 from .slab_even import SlabEvenReal
-from .slabs import SlabReal
+from .slab_real import SlabReal
 from .structures import TOO_MANY, address
 from .transforms import Compiled
 

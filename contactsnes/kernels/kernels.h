@@ -68,7 +68,8 @@ typedef struct { /* a circulant operator times fields on boxes of shape[0] x sha
     const int *on_circle, *in_box; /* and their numbers on the circle and in the box */
 } Response;
 
-typedef struct { /* rows here, of which processes get columns; those of this process stay where they are */
+typedef struct { /* rows here, of which processes get columns; those of this process stay where they are, or (packed.c)
+                    go to what has come, of all rows */
     long parts, own, rows, place; /* processes; this one; its rows, and the first of them among all */
     long size;                    /* bytes of a number */
     const long *first;            /* of each process its first column, and how many there are */
@@ -271,6 +272,9 @@ void share_rows(const Shares *s, long field, long row, long count, void *x, int 
 void *row_that_came(const Shares *s, long field, long row);
 void folded_invert(const Transform *t, const double *compliance, double stiffness, double gain,
                    void *symbol);
+void shared_rows(const Transform *t, const Shares *s, int back);
+void shared_columns(const Transform *t, const Shares *s, const Response *response, const void *symbol,
+                    int transposed);
 void packed_invert(const Transform *t, const double *compliance, double stiffness, double gain,
                    float *symbol);
 void evaluate(const Law *law, long components, long nodes, const double *gap, double *traction,

@@ -53,6 +53,20 @@ void packed_multiply(const Transform *t, const Response *response, const void *s
     else packed_multiply_in_double(t, response, symbol, used, transposed);
 }
 
+/* The same of slabs, in steps between which processes exchange waves: rows, columns, and rows back. */
+void shared_rows(const Transform *t, const Shares *s, int back)
+{
+    if (t->single) shared_rows_in_single(t, s, back);
+    else shared_rows_in_double(t, s, back);
+}
+
+void shared_columns(const Transform *t, const Shares *s, const Response *response, const void *symbol,
+                    int transposed)
+{
+    if (t->single) shared_columns_in_single(t, s, response, symbol, transposed);
+    else shared_columns_in_double(t, s, response, symbol, transposed);
+}
+
 /* the symbol 1 / gain / (1 + C D), column after column */
 CLONES void packed_invert(const Transform *t, const double *compliance, double stiffness, double gain,
                           float *restrict symbol)

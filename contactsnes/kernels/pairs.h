@@ -97,10 +97,84 @@ CLONES static void OF(scatter)(const Transform *t, const REAL *found, long field
     }
 }
 
-/* the blocks, or their transpose, times the waves of some columns, which go where the columns came from */
-static void OF(couple)(const Response *r, long first, long columns, int transposed)
+/* Waves of a pair of rows that stand as Z, from some on, as those of each of the two; and back. */
+CLONES static void OF(part_rows)(const REAL *restrict z, long c, long first, long columns, REAL *restrict a,
+                                 REAL *restrict b)
 {
-    const Transform *t = r->transform;
+    const REAL *restrict here = z + 2 * first, *restrict there = z + 2 * (c - first);
+    long k = 0;
+    if (!first && columns) {
+        a[0] = here[0];
+        b[0] = here[1];
+        a[1] = b[1] = 0.0;
+        k = 1;
+    }
+    for (; k < columns; k++) {
+        const REAL x = here[2 * k], y = here[2 * k + 1], u = there[-2 * k], v = there[-2 * k + 1];
+        a[2 * k] = (REAL)0.5 * (x + u);
+        a[2 * k + 1] = (REAL)0.5 * (y - v);
+        b[2 * k] = (REAL)0.5 * (y + v);
+        b[2 * k + 1] = (REAL)0.5 * (u - x);
+    }
+}
+
+CLONES static void OF(join_rows)(const REAL *restrict a, const REAL *restrict b, long c, long first, long columns,
+                                 REAL *restrict z)
+{
+    REAL *restrict here = z + 2 * first, *restrict there = z + 2 * (c - first);
+    /* rows are real: so are these waves of theirs */
+    const long last = 2 * (first + columns - 1) == c ? columns - 1 : columns;
+    long k = 0;
+    if (!first && columns) {
+        here[0] = a[0];
+        here[1] = b[0];
+        k = 1;
+    }
+    for (; k < last; k++) {
+        here[2 * k] = a[2 * k] - b[2 * k + 1];
+        here[2 * k + 1] = a[2 * k + 1] + b[2 * k];
+        there[-2 * k] = a[2 * k] + b[2 * k + 1];
+        there[-2 * k + 1] = b[2 * k] - a[2 * k + 1];
+    }
+    if (last < columns && last >= k) {
+        here[2 * last] = a[2 * last];
+        here[2 * last + 1] = b[2 * last];
+    }
+}
+
+/* Some columns of all rows of slabs, a column after the other: tiles of a few lines of the cache. */
+CLONES static void OF(gather_came)(const Transform *t, const Shares *s, long field, long first, long columns)
+{
+    const long r = t->shape[0], wide = 2 * (s->first[s->own + 1] - s->first[s->own]);
+    const REAL *restrict from = (const REAL *)(s->came + field * s->fields[2]) + 2 * first;
+    REAL *restrict to = (REAL *)t->block + field * COLUMNS * 2 * r;
+    for (long begin = 0; begin < r; begin += 2 * LINE) {
+        const long end = begin + 2 * LINE < r ? begin + 2 * LINE : r;
+        for (long k = 0; k < columns; k++)
+            for (long j = begin; j < end; j++) {
+                to[2 * (k * r + j)] = from[j * wide + 2 * k];
+                to[2 * (k * r + j) + 1] = from[j * wide + 2 * k + 1];
+            }
+    }
+    memset(to + 2 * columns * r, 0, 2 * (COLUMNS - columns) * r * sizeof *to);
+}
+
+CLONES static void OF(scatter_came)(const Transform *t, const Shares *s, const REAL *found, long field, long first,
+                                    long columns)
+{
+    const long r = t->shape[0], wide = 2 * (s->first[s->own + 1] - s->first[s->own]);
+    const REAL *restrict from = found + field * COLUMNS * 2 * r;
+    REAL *restrict to = (REAL *)(s->came + field * s->fields[2]) + 2 * first;
+    for (long j = 0; j < r; j++)
+        for (long k = 0; k < columns; k++) {
+            to[j * wide + 2 * k] = from[2 * (k * r + j)];
+            to[j * wide + 2 * k + 1] = from[2 * (k * r + j) + 1];
+        }
+}
+
+/* the blocks, or their transpose, times the waves of some columns, which go where the columns came from */
+static void OF(couple)(const Transform *t, const Response *r, long first, long columns, int transposed)
+{
     const long rows = t->shape[0], n = columns * rows, m = r->boxes, wide = 2 * COLUMNS * rows;
     REAL *x = t->block, *waves = t->spectrum;
     memset(x, 0, t->count * wide * sizeof *x);
@@ -120,26 +194,30 @@ static void OF(couple)(const Response *r, long first, long columns, int transpos
         }
 }
 
-/* Some columns of all fields, transformed, times symbols, and back. Out of place: in place FFTW would copy
-   them besides. */
-static void OF(columns_of)(const Transform *t, const Response *response, const REAL *symbol, long first,
-                           long columns, long used, int transposed)
+/* Some columns of all fields, of slabs as they have come, transformed, times symbols, and back. Out of place: in
+   place FFTW would copy them besides. */
+static void OF(columns_of)(const Transform *t, const Shares *s, const Response *response, const REAL *symbol,
+                           long first, long columns, long used, int transposed)
 {
     const long r = t->shape[0];
     REAL *waves = t->spectrum, *found = t->block;
-    for (long i = 0; i < t->count; i++) OF(gather)(t, i, first, columns, used);
+    for (long i = 0; i < t->count; i++)
+        if (s) OF(gather_came)(t, s, i, first, columns);
+        else OF(gather)(t, i, first, columns, used);
     EXECUTE_ROWS(t->columns, t->block, waves);
     if (response && response->product) {
-        OF(couple)(response, first, columns, transposed);
+        OF(couple)(t, response, first, columns, transposed);
         waves = t->block;
         found = t->spectrum;
     } else
         for (long i = 0; i < t->count; i++) {
-            const REAL *s = response ? response->symbol[i][i] : symbol + i * t->waves;
-            OF(times)(waves + i * 2 * COLUMNS * r, s + first * r, columns * r);
+            const REAL *own = response ? response->symbol[i][i] : symbol + i * t->waves;
+            OF(times)(waves + i * 2 * COLUMNS * r, own + first * r, columns * r);
         }
     EXECUTE_ROWS(t->columns_back, waves, found);
-    for (long i = 0; i < t->count; i++) OF(scatter)(t, found, i, first, columns, used);
+    for (long i = 0; i < t->count; i++)
+        if (s) OF(scatter_came)(t, s, found, i, first, columns);
+        else OF(scatter)(t, found, i, first, columns, used);
 }
 
 /* The rows of all fields that are used, transformed, or back, by way of a row of other memory. */
@@ -161,7 +239,54 @@ static void OF(packed_multiply)(const Transform *t, const Response *response, co
     OF(along)(t, t->forward, used);
     for (long first = 0; first < waves; first += COLUMNS) {
         const long columns = waves - first < COLUMNS ? waves - first : COLUMNS;
-        OF(columns_of)(t, response, symbol, first, columns, used, transposed);
+        OF(columns_of)(t, 0, response, symbol, first, columns, used, transposed);
     }
     OF(along)(t, t->backward, used);
+}
+
+/* Where the waves of a row go that a process gets, or come from: its own to those that have come. */
+static REAL *OF(waves_for)(const Shares *s, long field, long part, long row, long before)
+{
+    const long wide = (s->first[part + 1] - s->first[part]) * s->size;
+    char *begin = part == s->own ? s->came + field * s->fields[2] + s->place * wide
+                                 : s->packed + field * s->fields[1] + before;
+    return (REAL *)(begin + row * wide);
+}
+
+/* The rows of slabs, transformed, to what is sent while they are in the processor's cache; or back. The second
+   of a last pair of one row is room beyond what rows are transformed to. */
+static void OF(shared_rows)(const Transform *t, const Shares *s, int back)
+{
+    const long c = t->shape[1], rows = t->shape[0];
+    REAL *waves = t->spectrum, *none = waves + 2 * c;
+    for (long i = 0; i < t->count; i++)
+        for (long j = 0; j < rows; j += 2) {
+            REAL *z = OF(field_of)(t, i) + j * c;
+            long before = 0;
+            for (long k = 0; k < c && !back && j + 1 == rows; k++) z[2 * k + 1] = 0.0;
+            if (!back) EXECUTE_ROWS(t->forward, z, waves);
+            if (back && j + 1 == rows) memset(none, 0, 2 * c * sizeof *none);
+            for (long part = 0; part < s->parts; part++) {
+                const long first = s->first[part], columns = s->first[part + 1] - first;
+                REAL *a = OF(waves_for)(s, i, part, j, before);
+                REAL *b = j + 1 < rows ? OF(waves_for)(s, i, part, j + 1, before) : none;
+                if (back) OF(join_rows)(a, b, c, first, columns, z);
+                else OF(part_rows)(waves, c, first, columns, a, b);
+                before += part == s->own ? 0 : rows * columns * s->size;
+            }
+            if (!back) continue;
+            EXECUTE_ROWS(t->backward, z, waves);
+            memcpy(z, waves, 2 * c * sizeof *z);
+        }
+}
+
+/* The columns of slabs that are here: there, times symbols, and back. */
+static void OF(shared_columns)(const Transform *t, const Shares *s, const Response *response, const void *symbol,
+                               int transposed)
+{
+    const long here = s->first[s->own + 1] - s->first[s->own];
+    for (long first = 0; first < here; first += COLUMNS) {
+        const long columns = here - first < COLUMNS ? here - first : COLUMNS;
+        OF(columns_of)(t, s, response, symbol, first, columns, 0, transposed);
+    }
 }

@@ -5,6 +5,7 @@ import ctypes
 import numpy as np
 
 from . import structures
+from .slab_real import SlabPacked
 from .structures import address
 from .transforms import Packed
 
@@ -14,7 +15,7 @@ WAVES = 2048
 
 def _copied(transform, by_columns=False):
     """Memory for the part of spectra that blocks are multiplied with at a time."""
-    if isinstance(transform, Packed):
+    if isinstance(transform, (Packed, SlabPacked)):
         return transform.found
     if by_columns or transform.structure.packed:
         return np.empty_like(transform.block)

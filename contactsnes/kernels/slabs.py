@@ -1,5 +1,4 @@
-"""Transforms of slabs, columns of whose waves the library transforms, and multiplies there by the
-symbols of a response."""
+"""What the library does with transforms of slabs, and with masks over these."""
 
 import ctypes
 import weakref
@@ -7,13 +6,9 @@ import weakref
 import numpy as np
 
 from ..grid import transfer
-from ..grid.fftw import pyfftw
-from ..grid.slab_transform import SlabTransform
 from . import structures
 from .asked import asked
-from .fftw import Rows
 from .library import shared
-from .lines import COLUMNS
 from .structures import address
 from .transforms import Compiled
 
@@ -112,65 +107,3 @@ def _rows(box):
     if box.dtype != float or (box.size and one != box.itemsize) or apart % box.itemsize:
         raise ValueError("kernels take rows of doubles")
     return box.ctypes.data, apart // box.itemsize
-
-
-class SlabReal(OfLibrary, SlabTransform):
-    """`grid.slab_transform.SlabTransform`, of whose columns of waves the library has charge.
-
-    Parameters
-    ----------
-    grid, shape, count, rows, single : as of that
-
-    Attributes
-    ----------
-    structure : of the library, with this process's rows of ``real`` as a field's
-    block : a few columns of each field, and of a symbol
-    """
-
-    def _plan_columns(self, planned):
-        """Plan columns, some of which are transformed at a time.
-
-        Parameters
-        ----------
-        planned : function, of rows' plans
-        """
-        self.library, single = shared(), self.real.itemsize < 8
-        self.structure = own = structures.Transform(count=self._count, single=single)
-        own.shape[:], own.real = self.real.shape[1:], address(self.real)
-        own.waves = self.spectrum[0].size
-        self.block = pyfftw.zeros_aligned((self._count + 1, COLUMNS, self.shape[0]),
-                                          dtype=self.spectrum.dtype)
-        self._plans = Rows(self.shape[0], self._count * COLUMNS, address(self.block),
-                           single=single)
-        self._columns = structures.Columns(
-            count=self._count, rows=self.shape[0], columns=self.spectrum.shape[2], single=single,
-            spectrum=address(self.spectrum), block=address(self.block),
-            there=self._plans.forward, back=self._plans.backward)
-        self._reference = ctypes.addressof(self._columns)
-        self._serve()
-
-    def places(self, numbers):
-        """Where the library has the nodes of some numbers in ``real``."""
-        return np.asarray(numbers, dtype=np.intc)
-
-    def _along_columns(self, back):
-        """Transform the columns of waves."""
-        self.library.along_columns(self._reference, not back, back, None, 0)
-
-    def multiply(self, response, symbol, transposed):
-        """What stands in ``real`` times the symbols of a response, or other real ones of its
-        precision, (count, *spectrum), in place.
-
-        Parameters
-        ----------
-        response, symbol : addresses, one of which is None
-        transposed : bool, whether the response's blocks are
-        """
-        if symbol:
-            own = structures.Response(components=self._count)
-            for i in range(self._count):
-                own.symbol[i][i] = symbol + i * self.structure.waves * self.real.itemsize
-            response = ctypes.addressof(own)
-        self._to_columns()
-        self.library.along_columns(self._reference, True, True, response, transposed)
-        self._from_columns()
