@@ -7,8 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..kernels import points
 from ..kernels.laws import kernel_of
+from ..kernels.sites import States
+from ..kernels.structures import Limits
 from .energies import weights
 from .state import alike
 from .states import REACH
@@ -38,6 +39,9 @@ WHOLE = 0.9
 held nodes that is nearly all."""
 PART = 2 ** 14
 """Nodes that are asked for their works at a time."""
+LIMITS = Limits(STRAYS, SHARE, LONG, REACH, HELD, OPEN, DOUBTFUL, TRIFLE, len(PLACES),
+                tuple(PLACES), tuple(SHARES))
+"""All of this as the library takes it."""
 LEFT = 0.5
 """Part of its way that a node goes back at the rate where it ended, below which a jump made much of
 it; a parabola just behind its fold has one half."""
@@ -58,6 +62,7 @@ class Ways(NamedTuple):
         largest way of a node where the law acts
     counts : numbers of nodes held at first and those of them that open, of nodes held at last and
         those of them that were open, of nodes in contact that pass through sticking
+    releases : whether some of them may release more energy than few smooth steps do
     """
 
     missed: float
@@ -65,6 +70,7 @@ class Ways(NamedTuple):
     beyond: float
     farthest: float
     counts: list
+    releases: bool
 
 
 def ways(contact, guess, last, found):
@@ -79,13 +85,20 @@ def ways(contact, guess, last, found):
     asked, made = TOLD.get(found, ((), None))
     if [one() for one in asked] == [contact, guess, last]:
         return made
-    grid, *fields = _known(contact, guess, last, found)
-    told = (points.strays if contact.kernels.compiled else _by_numpy)(*fields, _limits(contact))
+    grid, nodes, known = alike(contact, [guess, found], [last])
+    site, components, releases = contact.site(nodes), len(known[0]), True
+    states = States(known) if site else known
+    told = site.strays(states, LIMITS) if site else _by_numpy(
+        *known, contact.gap_on(nodes), getattr(grid, "weights", None),
+        contact.scene.contact_threshold, contact.law.slip_peak)
     beyond, farthest = grid.largest(told[:2]).tolist()
     *counts, near, missed, acting, moved = grid.together(told[2:]).tolist()
-    components = len(fields[0])
+    if site:
+        works = grid.together(site.releases(states, LIMITS, farthest)).tolist()
+        releases = any([out > RELEASED * springs for out, springs in zip(*works)])
     made = Ways(math.sqrt(missed / max(components * near, 1.0)),
-                math.sqrt(moved / max(components * acting, 1.0)), beyond, farthest, counts)
+                math.sqrt(moved / max(components * acting, 1.0)), beyond, farthest, counts,
+                releases)
     TOLD[found] = tuple(map(weakref.ref, (contact, guess, last))), made
     return made
 
@@ -113,20 +126,7 @@ def strayed(contact, guess, last, found):
     return told.beyond
 
 
-def _known(contact, guess, last, found):
-    """Grid that sums over nodes, where a step was foretold, where it ended and where it began,
-    initial gap, and weights of the nodes (None: all are one); of even states at half of them."""
-    grid, nodes, (foretold, ended, began) = alike(contact, [guess, found], [last])
-    return (grid, foretold, ended, began, contact.gap_on(nodes), getattr(grid, "weights", None))
-
-
-def _limits(contact):
-    """What steps are judged by, an array; contact and friction last."""
-    return np.array([STRAYS, SHARE, LONG, REACH, HELD, OPEN, DOUBTFUL, TRIFLE,
-                     contact.scene.contact_threshold, contact.law.slip_peak])
-
-
-def _by_numpy(foretold, ended, began, initial_gap, weights_of, limits):
+def _by_numpy(foretold, ended, began, initial_gap, weights_of, threshold, peak):
     """How a step lies to its prediction, an array: farthest beyond what is allowed, and largest way
     where the law acts; nodes held at first and those of them that open, nodes held at last and
     those of them that were open; nodes in contact that pass through sticking; nodes where the law
@@ -140,9 +140,8 @@ def _by_numpy(foretold, ended, began, initial_gap, weights_of, limits):
     ----------
     foretold, ended, began : arrays (components, nodes), ranges of the law
     initial_gap, weights_of : arrays (nodes,); weights None where all are one
-    limits : of `_limits`
+    threshold, peak : gap of contact, and slip of the law's peak
     """
-    threshold, peak = limits[-2:]
     change, aside, near, allowed = _ways(foretold, ended, began, initial_gap)
     first, last = began[0] + initial_gap, ended[0] + initial_gap
     touching = np.maximum(first, last) < threshold
@@ -180,14 +179,8 @@ def doubtful(contact, guess, last, found):
     contact : Contact
     guess, last, found : as of `strayed`
     """
-    kernel = kernel_of(contact.law)
-    if kernel is not None:
-        grid, *fields = _known(contact, guess, last, found)
-        released, springs = grid.together(points.releases(
-            kernel, *fields, weights(contact, len(fields[0])), (PLACES, SHARES), _limits(contact),
-            ways(contact, guess, last, found).farthest)).tolist()
-        if not any(out > RELEASED * work for out, work in zip(released, springs)):
-            return False
+    if not ways(contact, guess, last, found).releases:
+        return False
     return _suspects(contact, *_compared(contact, guess, last, found)) is not None
 
 

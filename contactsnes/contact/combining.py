@@ -33,8 +33,7 @@ def without_overlap(contact, nodes, known, weights):
     known : list of arrays (components, nodes)
     weights : numbers, one of each
     """
-    compiled = contact.kernels.compiled and len(known) <= points.MOST
-    gap, last = contact.gap_on(nodes), known[-1][0]
+    compiled, gap, last = contact.kernels.compiled, contact.gap_on(nodes), known[-1][0]
     closest = points.closest(last, gap) if compiled else np.min(last + gap, initial=np.inf)
     floor = -contact.grid.largest(-closest) - 1.0
     return (points.combined if compiled else _combined)(known, weights, gap, floor), floor

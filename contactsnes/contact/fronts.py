@@ -5,7 +5,6 @@ import weakref
 import numpy as np
 
 from ..grid.transfer import extent
-from ..kernels import points
 from .state import below
 
 FAR = 0.3
@@ -178,7 +177,7 @@ def _kept_places(contact, state):
     if found is None or found[0]() is not contact:
         half = state.half
         line = half is not None and len(half.shape) == 1 and half.size > 2
-        places = (_by_halves if line and contact.kernels.compiled else _one_by_one)(contact, state)
+        places = (_by_halves if line and contact.site(half) else _one_by_one)(contact, state)
         found = _KNOWN[state] = weakref.ref(contact), *places
     return found[1:]
 
@@ -192,10 +191,8 @@ def _one_by_one(contact, state):
 
 def _by_halves(contact, state):
     """The same of even states of a line, by the library."""
-    count, field = state.window.extents[0], np.ascontiguousarray(state.once)
-    middle, found = count // 2, points.reaches(
-        field, contact.gap_on(state.half), count - 1 - count // 2, contact.scene.contact_threshold,
-        contact.law.slip_peak, LEAST)
+    count, site = state.window.extents[0], contact.site(state.half)
+    middle, found = count // 2, site.reaches(state.once, count - 1 - count // 2, LEAST)
     return [np.array([[middle - reach, middle + reach]]) if reach else None
             for reach in found.tolist()]
 

@@ -6,11 +6,10 @@ from functools import cache
 
 import numpy as np
 
-from ..kernels import points
-from ..kernels.laws import kernel_of
+from ..kernels.sites import States
 from .state import everywhere
 from .states import missed, with_components
-from .work_along import TWINS, gauss, line_rule
+from .work_along import TWINS, gauss, line_rule, rules
 
 PART = 2 ** 11
 """Nodes whose work is found at a time, some four states and six places each."""
@@ -43,23 +42,19 @@ def between(contact, states, first):
     """
     components = max(state.components for state in states)
     states = [with_components(state, components) for state in states]
-    kernel, kept, sums = kernel_of(contact.law), None, 0.0
+    moved, sums = None, 0.0
     for grid, nodes, known, mask in everywhere(contact, states):
-        weights = grid.weights if nodes.even else None
-        if kept is None:
-            moved = contact.grid.together(
-                (_squares if kernel is None else points.squares_along)(known, weights))
-            places = np.append(0.0, np.sqrt(moved).cumsum()).tolist()
-            if places[-1] == places[first]:
-                return np.zeros(components)
-            kept = _kept(places, first)
-            rule = _rule([places[number] for number in kept], kept.index(first))
+        weights, site = grid.weights if nodes.even else None, contact.site(nodes)
+        known = States(known) if site else known
+        if moved is None:
+            moved = contact.grid.together(site.squares_along(known) if site
+                                          else _squares(known, weights))
         if mask is not None:
             weights = mask.astype(float) if weights is None else mask * weights
-        given = ([known[number] for number in kept], contact.gap_on(nodes), weights,
-                 contact.law.range, rule)
-        sums = sums + contact.grid.together(_by_numpy(contact.law, *given) if kernel is None
-                                            else points.works_along(kernel, *given))
+        sums = sums + contact.grid.together(
+            site.works_along(known, weights, moved, first, TWINS, rules(), contact.law.range)
+            if site else
+            _by_numpy(contact.law, known, contact.gap_on(nodes), weights, moved, first))
     work, straight, doubt = contact.grid.node_area * sums
     return np.where(np.abs(work - straight) <= ASTRAY * doubt, work, straight)
 
@@ -168,8 +163,7 @@ def _straight(law, known, initial_gap, weights, rule):
 
 
 def _squares(known, weights):
-    """Squares of the ways from each of some states to the next, as of
-    `kernels.points.squares_along`.
+    """Squares of the ways from each of some states to the next, as of `Site.squares_along`.
 
     Parameters
     ----------
@@ -215,7 +209,7 @@ def _chords(count, first):
     return rule.reshape(2, count, -1)
 
 
-def _by_numpy(law, known, initial_gap, weights, reach, rule):
+def _by_numpy(law, known, initial_gap, weights, moved, first):
     """Works on nodes summed up: along polynomials, along chords, and the latter's sizes, for each
     component, phi_i over the area of a node, array (3, components); of nodes where the law acts at
     some state.
@@ -225,10 +219,16 @@ def _by_numpy(law, known, initial_gap, weights, reach, rule):
     law : Law
     known : displacements (components, nodes) of up to four states
     initial_gap, weights : arrays (nodes,), for how many nodes each stands (None: one)
-    reach : normal gap below which the law acts
-    rule : as of `_rule`
+    moved : array, squares of the ways from each of them to the next, of all nodes
+    first : number of the state from which on
     """
-    acts = np.minimum.reduce([displacement[0] for displacement in known]) + initial_gap < reach
+    places = np.append(0.0, np.sqrt(moved).cumsum()).tolist()
+    if places[-1] == places[first]:
+        return np.zeros((3, len(known[0])))
+    kept = _kept(places, first)
+    rule = _rule([places[number] for number in kept], kept.index(first))
+    known = [known[number] for number in kept]
+    acts = np.minimum.reduce([displacement[0] for displacement in known]) + initial_gap < law.range
     acts, works = np.flatnonzero(acts), np.zeros((3, len(known[0])))
     for start in range(0, len(acts), PART):
         part = acts[start:start + PART]

@@ -22,7 +22,7 @@ from ..kernels.choice import chosen
 from ..options.arguments import of_class, unpicklable
 from ..scene.parts import with_parts
 from ..scene.scene import Scene, changed
-from .survey import surveyed, tractions
+from .survey import site, surveyed, tractions
 
 DISPLACEMENT, FORCE = "displacement", "force"
 APPROACH = "approach"
@@ -91,7 +91,7 @@ class Contact:
         self.circle = lru_cache(maxsize=32)(self._circle)
         self.coarse = lru_cache(maxsize=1)(self._coarse)
         self.survey = lru_cache(maxsize=1)(partial(surveyed, self))
-        self.gap_on = lru_cache(maxsize=4)(self._gap_on)
+        self.gap_on, self.site = map(lru_cache(maxsize=4), (self._gap_on, partial(site, self)))
         for array in (self.ranges, self._signs, self.initial_gap):
             array.flags.writeable = False
         self._sealed = True

@@ -7,8 +7,8 @@ import numpy as np
 
 from ..grid.alternation import REACH, across_rows
 from ..interface.laws.law import softening
-from ..kernels import points
 from ..kernels.laws import kernel_of
+from ..kernels.sites import Site
 from ..scene.resolution import sharpness
 
 PART = 2 ** 14
@@ -54,23 +54,48 @@ def surveyed(contact, state):
     contact : Contact
     state : State
     """
-    scene, nodes, kernel = contact.scene, state.nodes, kernel_of(contact.law)
+    nodes, found = state.nodes, contact.site(state.nodes)
     grid = contact.grid if state.half is None else state.half.grid
-    limits = np.array([scene.contact_threshold, contact.law.slip_peak, scene.normal_maugis,
-                       sharpness(scene)])
-    given = state.once, contact.gap_on(nodes), getattr(grid, "weights", None), limits
-    numbers, traction = (by_numpy(contact.law, *given) if kernel is None
-                         else points.survey(kernel, *given))
+    numbers, traction = (found.survey(state.once) if found else by_numpy(
+        contact.law, state.once, contact.gap_on(nodes), getattr(grid, "weights", None),
+        *judged(contact.scene, contact.law).values()))
     numbers[0] *= -1.0
     lowest, *largest = grid.largest(numbers[:5]).tolist()
-    sums = grid.together(numbers[5:])
+    sums = grid.together(numbers[5:7 + 2 * state.components])
     total, work = sums[2:].reshape(2, -1)
     for i, signs in enumerate(getattr(nodes, "parities", None) or ()):
         if -1 in signs:
             total[i] = 0.0
     touching, sticking = sums[:2].astype(int).tolist()
     return Survey(-lowest, *largest, touching, sticking, total, work,
-                  _alternating(contact, state, traction) if touching else 0.0)
+                  0.0 if not touching else float(numbers[-1]) if found and found.halved
+                  else _alternating(contact, state, traction))
+
+
+def judged(scene, law):
+    """What states are judged by, by the names of `structures.Site`: gap of contact, slip of the
+    law's peak, normal and tangential Maugis parameter (the second as of `sharpness`)."""
+    return {"contact": scene.contact_threshold, "peak": law.slip_peak,
+            "normal": scene.normal_maugis, "sharp": sharpness(scene)}
+
+
+def site(contact, nodes):
+    """Nodes of a contact as the library is asked about states there; None where it is not.
+
+    Parameters
+    ----------
+    contact : Contact
+    nodes : Window, or EvenWindow
+    """
+    law, ratio = kernel_of(contact.law), contact.scene.work_ratio
+    if law is None or not contact.kernels.compiled:
+        return None
+    halved = nodes.even and len(nodes.shape) == 1 and nodes.size > REACH + 1
+    return Site(law, contact.gap_on(nodes), getattr(nodes.grid, "weights", None),
+                parts=(1.0, ratio, ratio), least=TRACTIONLESS, halved=halved,
+                closed=halved and nodes.parts[0].closed[0],
+                sign=tuple(sign for sign, in nodes.parities or ((1,),) * 3) if halved else (),
+                **judged(contact.scene, contact.law))
 
 
 def _alternating(contact, state, traction):
@@ -78,10 +103,6 @@ def _alternating(contact, state, traction):
     alternates from node to node: of any component, in any direction."""
     half, grid, found = state.half, contact.grid, 0.0
     halved = half is not None and min(half.extents) > REACH + 1
-    if halved and contact.kernels.compiled and len(half.shape) == 1:
-        return points.alternation_of_halves(
-            traction, [sign for sign, in half.parities or ((1,),) * len(traction)],
-            half.parts[0].closed[0], TRACTIONLESS)
     every, fields = (half, traction) if halved else (state.window, state.unfolded(traction))
     parts, alternation = every.parts, contact.kernels.alternation
     largest = grid.largest(np.maximum(np.maximum.reduce(fields, axis=1, initial=0.0),
@@ -130,7 +151,7 @@ def tractions(contact, state):
     return state.unfolded(found)
 
 
-def by_numpy(law, displacement, initial_gap, weights, limits):
+def by_numpy(law, displacement, initial_gap, weights, contact, peak, *maugis):
     """An array of numbers: smallest normal gap, largest slip in contact, pressure and shear,
     steepest softening; nodes in contact, those that stick; sums of tractions and of their products
     with displacements by component. Beside it the tractions (components, nodes).
@@ -140,21 +161,20 @@ def by_numpy(law, displacement, initial_gap, weights, limits):
     law : Law
     displacement : array (components, nodes)
     initial_gap, weights : arrays (nodes,); weights None where all are one
-    limits : gap of contact, slip of the law's peak, normal and tangential Maugis parameter (the
-        second as of `sharpness`)
+    contact, peak, maugis : as of `judged`
     """
     gap = displacement.copy()
     gap[0] += initial_gap
     traction = law.traction(gap)
     slip, shear = (np.sqrt(np.einsum("in,in->n", field[1:], field[1:]))
                    for field in (gap, traction))
-    touching = gap[0] < limits[0]
+    touching = gap[0] < contact
     each = np.ones(len(touching)) if weights is None else weights
     parts = np.array_split(gap, 1 + len(slip) // PART, axis=1)
     found = [np.min(gap[0], initial=np.inf), np.max(slip[touching], initial=0.0),
              np.max(-traction[0], initial=0.0), np.max(shear, initial=0.0),
-             max(np.max(_steepness(law, part, limits[2:]), initial=0.0) for part in parts),
-             each @ touching, each @ (touching & ~(slip > limits[1]))]
+             max(np.max(_steepness(law, part, maugis), initial=0.0) for part in parts),
+             each @ touching, each @ (touching & ~(slip > peak))]
     return np.concatenate([found, traction @ each, (traction * displacement) @ each]), traction
 
 

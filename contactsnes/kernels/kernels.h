@@ -201,6 +201,27 @@ typedef struct {
     const char *operator_text, *zone_text;
 } System;
 
+typedef struct { /* nodes of a contact: law (null: Python's own), rest gaps, for how many each stands (null:
+                    itself); gap of contact, slip of the law's peak, Maugis parameters, energies of components over
+                    that of the normal one; of half a line (`halved`) signs of components, whether it is closed, and
+                    the traction that counts as none */
+    const Law *law;
+    long nodes;
+    const double *initial_gap, *weight;
+    double contact, peak, normal, sharp, parts[MOST];
+    long halved, closed;
+    int sign[MOST];
+    double least;
+} Site;
+
+enum { PLACES = 16 }; /* of a rule on the way of a step, at most */
+
+typedef struct { /* what steps are judged by, as contactsnes/contact/acceptance.py has it; a rule on their ways */
+    double strays, share, longest, reach, held, open, doubtful, trifle;
+    long count;
+    double places[PLACES], shares[PLACES];
+} Limits;
+
 struct Libraries {
     void (*execute)(void *), (*execute_single)(void *), (*execute_rows)(void *, void *, void *);
     void (*execute_rows_single)(void *, void *, void *);
@@ -283,6 +304,8 @@ void add_times(double *x, const double *s, const double *y, long n, int is_compl
 void along_columns(const Columns *c, int there, int back, const Response *r, int transposed);
 int choose(System *s, int begins);
 double largest_of(double known, const double *x, long n);
+const double *rule_of(long count, const double *rules);
+void lagrange(long count, const double *place, double at, double *value, double *slope);
 void widen(const float *x, double *out, long n);
 void narrow(const double *x, float *out, long n);
 int product_in_single(Form *f, const float *vector, float *out);

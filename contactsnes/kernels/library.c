@@ -10,4 +10,5 @@ const char *kernels_checksum = KERNELS_CHECKSUM;
 const long kernels_sizes[] = {
     sizeof(Law), sizeof(Line), sizeof(Transform), sizeof(Response), sizeof(Shares), sizeof(Columns),
     sizeof(Form), sizeof(Motion), sizeof(Arc), sizeof(Circle), sizeof(Block), sizeof(Blur),
-    sizeof(Zone), sizeof(TwoGrids), sizeof(Overdamped), sizeof(System), sizeof(struct Libraries)};
+    sizeof(Zone), sizeof(TwoGrids), sizeof(Overdamped), sizeof(System), sizeof(Site),
+    sizeof(Limits), sizeof(struct Libraries)};

@@ -90,14 +90,15 @@ CLONES static void find_sizes(long m, long n, Nodes *restrict a)
 
 /* Adds to sums: nodes in contact, those that stick; tractions, and tractions times displacements, by
    component. */
-CLONES static void add_sums(long m, long n, const Nodes *restrict a, const double *restrict displacement,
-                            long apart, const double *restrict weight, const double *limits, double *sums)
+CLONES static void add_sums(const Site *site, long m, long n, const Nodes *restrict a,
+                            const double *restrict displacement, const double *restrict weight, double *sums)
 {
+    const long apart = site->nodes;
     double touching = 0.0, sticking = 0.0;
     for (long k = 0; k < n; k++) {
         const double w = weight ? weight[k] : 1.0;
-        touching += a->gap[k] < limits[0] ? w : 0.0;
-        sticking += a->gap[k] < limits[0] && !(a->slip[k] > limits[1]) ? w : 0.0;
+        touching += a->gap[k] < site->contact ? w : 0.0;
+        sticking += a->gap[k] < site->contact && !(a->slip[k] > site->peak) ? w : 0.0;
     }
     sums[0] += touching;
     sums[1] += sticking;
@@ -113,13 +114,16 @@ CLONES static void add_sums(long m, long n, const Nodes *restrict a, const doubl
     }
 }
 
+static double alternation_of_halves(const Site *site, long m, double *fields);
+
 /* Numbers of displacements (m, nodes): lowest normal gap, largest slip in contact,
    largest pressure, largest shear traction, steepest softening; nodes in contact, those that stick;
-   sums of tractions and of tractions times displacements by component. limits: gap of contact, slip at
-   the peak of the friction, Maugis parameters. `traction` (m, nodes) takes the tractions. */
-void survey(const Law *law, long m, long nodes, const double *displacement, const double *initial_gap,
-            const double *weight, const double *limits, double *numbers, double *traction)
+   sums of tractions and of tractions times displacements by component; of half a line, how far tractions
+   alternate. `traction` (m, nodes) takes the tractions, which are its own then. */
+void survey(const Site *site, long m, const double *displacement, double *numbers, double *traction)
 {
+    const long nodes = site->nodes;
+    const double *initial_gap = site->initial_gap, *weight = site->weight;
     Nodes a;
     double deepest = -INFINITY, no_number = 0.0, slipped = 0.0, pressure = 0.0, shear = 0.0, steepest = 0.0;
     double sums[2 + 2 * MOST] = {0};
@@ -130,17 +134,17 @@ void survey(const Law *law, long m, long nodes, const double *displacement, cons
             const double *restrict u = displacement + i * nodes + from;
             for (long k = 0; k < n; k++) a.gap[i * n + k] = u[k] + (i ? 0.0 : initial_gap[from + k]);
         }
-        evaluate(law, m, n, a.gap, a.traction, a.tangent);
+        evaluate(site->law, m, n, a.gap, a.traction, a.tangent);
         for (long i = 0; i < m; i++)
             memcpy(traction + i * nodes + from, a.traction + i * n, n * sizeof *traction);
         if (m > 1) find_sizes(m, n, &a);
-        softening(m, n, a.tangent, a.gap, a.slip, limits[2], limits[3], a.each);
+        softening(m, n, a.tangent, a.gap, a.slip, site->normal, site->sharp, a.each);
         steepest = largest_of(steepest, a.each, n);
         for (long k = 0; k < n; k++) a.each[k] = -a.traction[k];
         pressure = largest_of(pressure, a.each, n);
         if (m > 1) {
             shear = largest_of(shear, a.drag, n);
-            for (long k = 0; k < n; k++) a.each[k] = a.gap[k] < limits[0] ? a.slip[k] : 0.0;
+            for (long k = 0; k < n; k++) a.each[k] = a.gap[k] < site->contact ? a.slip[k] : 0.0;
             slipped = largest_of(slipped, a.each, n);
         }
         for (long k = 0; k < n; k++) {
@@ -148,11 +152,12 @@ void survey(const Law *law, long m, long nodes, const double *displacement, cons
             no_number += a.gap[k] != a.gap[k] ? 1.0 : 0.0;
         }
         deepest = largest_of(deepest, a.each, n);
-        add_sums(m, n, &a, displacement + from, nodes, weight ? weight + from : 0, limits, sums);
+        add_sums(site, m, n, &a, displacement + from, weight ? weight + from : 0, sums);
     }
     const double found[] = {no_number > 0.0 ? NAN : -deepest, slipped, pressure, shear, steepest};
     memcpy(numbers, found, sizeof found);
     memcpy(numbers + 5, sums, (2 + 2 * m) * sizeof *sums);
+    numbers[7 + 2 * m] = site->halved ? alternation_of_halves(site, m, traction) : 0.0;
 }
 
 /* Whether the law acts on some of n nodes, normal gaps below `reach`, at one of three displacements. */
@@ -226,20 +231,18 @@ double closest(long nodes, const double *displacement, const double *initial_gap
     return -deepest;
 }
 
-/* out = weighted sum of one to four fields (m, nodes), without gaps below `floor`. */
-CLONES void combined(long m, long nodes, long count, const double *one, const double *two, const double *three,
-                     const double *four, const double *weights, const double *restrict initial_gap,
-                     double floor, double *restrict out)
+/* out = weighted sum of fields (m, nodes), without gaps below `floor`. */
+CLONES void combined(long m, long nodes, long count, const double *const *known, const double *weights,
+                     const double *restrict initial_gap, double floor, double *restrict out)
 {
-    const double *of[] = {one, two, three, four};
     for (long i = 0; i < m; i++)
         for (long from = 0; from < nodes; from += SOME) {
             const long n = nodes - from < SOME ? nodes - from : SOME, at = i * nodes + from;
             double *restrict sum = out + at;
             double part[SOME];
-            for (long k = 0; k < n; k++) part[k] = weights[0] * one[at + k];
+            for (long k = 0; k < n; k++) part[k] = weights[0] * known[0][at + k];
             for (long j = 1; j < count; j++) {
-                const double *restrict x = of[j] + at, w = weights[j];
+                const double *restrict x = known[j] + at, w = weights[j];
                 for (long k = 0; k < n; k++) part[k] += w * x[k];
             }
             for (long k = 0; k < n; k++) {
@@ -265,10 +268,6 @@ CLONES void extremes(long m, long nodes, const double *change, double root, cons
     numbers[0] = largest;
     numbers[1] = squares;
 }
-
-typedef struct { /* as contactsnes/contact/acceptance.py has them, in `_limits` */
-    double strays, share, longest, reach, held, open, doubtful, trifle, contact, peak;
-} Limits;
 
 /* How far a node may end from its prediction after a way of its own. */
 static inline double allowed(const Limits *l, double way)
@@ -352,14 +351,16 @@ CLONES static void count_nodes(const Ways *restrict w, const double *restrict we
     for (long i = 0; i < 9; i++) sums[i] += found[i];
 }
 
-/* numbers: farthest beyond what is allowed; largest way where the law acts; nodes held at first, and those
+/* Of states foretold, where a step ended and where it began: farthest beyond what is allowed; largest way where the law acts; nodes held at first, and those
    of them that open; the same of the last ones; nodes in contact that pass through sticking; nodes where the
    law acts at the end or was foretold to, and squares of how far these ended from there; where it acts at
    either end, and squares of the way of these. */
-void strays(long m, long nodes, const double *foretold, const double *ended, const double *began,
-            const double *initial_gap, const double *weight, const Limits *l, double *numbers)
+void strays(const Site *site, long m, const double *const *known, const Limits *l, double *numbers)
 {
-    const double reach = m > 1 ? greater(l->reach, l->contact) : l->reach; /* beyond, nothing counts */
+    const long nodes = site->nodes;
+    const double *foretold = known[0], *ended = known[1], *began = known[2];
+    const double *initial_gap = site->initial_gap, *weight = site->weight, peak = site->peak;
+    const double reach = m > 1 ? greater(l->reach, site->contact) : l->reach; /* beyond, nothing counts */
     double beyond = -l->strays, moved = 0.0, sums[9] = {0};
     Ways w;
     for (long from = 0, n; (n = next_acting(nodes, &from, foretold, ended, began, initial_gap, reach));
@@ -371,8 +372,8 @@ void strays(long m, long nodes, const double *foretold, const double *ended, con
             if ((w.first[k] < w.last[k] ? w.first[k] : w.last[k]) >= l->reach) w.way[k] = 0.0;
         moved = largest_of(moved, w.way, n);
         for (long k = 0; k < n && m > 1; k++)
-            if (w.first[k] < l->contact && w.last[k] < l->contact
-                && through_sticking(m, nodes, began + from + k, ended + from + k, l->peak))
+            if (w.first[k] < site->contact && w.last[k] < site->contact
+                && through_sticking(m, nodes, began + from + k, ended + from + k, peak))
                 sums[4] += weight ? weight[from + k] : 1.0;
     }
     numbers[0] = beyond;
@@ -404,11 +405,11 @@ CLONES static void add_works(const Asked *restrict a, const double *restrict fou
 /* numbers: what nodes release on the straight way of a step over linear springs, and what these do
    (`works`), summed over three sets: those aside of their prediction, those where the law acts, and those
    of them that move by more than half of `moved`. */
-void releases(const Law *law, long m, long nodes, const double *foretold, const double *ended,
-              const double *began, const double *initial_gap, const double *weight, const double *parts,
-              long count, const double *places, const double *shares, const Limits *l, double moved,
-              double *numbers)
+void releases(const Site *site, long m, const double *const *known, const Limits *l, double moved, double *numbers)
 {
+    const long nodes = site->nodes;
+    const double *foretold = known[0], *ended = known[1], *began = known[2];
+    const double *initial_gap = site->initial_gap, *weight = site->weight;
     double found[2 * SOME];
     Asked a;
     Ways w;
@@ -437,7 +438,7 @@ void releases(const Law *law, long m, long nodes, const double *foretold, const 
             memmove(a.gap + i * a.held, a.gap + i * SOME, a.held * sizeof *a.gap);
             memmove(a.change + i * a.held, a.change + i * SOME, a.held * sizeof *a.change);
         }
-        works(law, m, a.held, a.gap, a.change, parts, count, places, shares, l->trifle, found);
+        works(site->law, m, a.held, a.gap, a.change, site->parts, l->count, l->places, l->shares, l->trifle, found);
         add_works(&a, found, numbers);
     }
 }
@@ -584,17 +585,17 @@ static double only_crossing(long count, double *values, double level, double end
 
 /* reaches: of an even line, fields (m, nodes, at least 3) from its middle outwards, in nodes from there, the
    end of contact, a slip front within it, and an end of pressure between these, `least` nodes from both; 0
-   where there is none, or several, and of what hangs on it. level, peak: gap of contact, and slip of the law's
-   peak; last: how far the line reaches; work: nodes + 2 numbers. */
-void reaches(long m, long nodes, const double *field, const double *initial_gap, double last, double level,
-             double peak, double least, double *work, double *reaches)
+   where there is none, or several, and of what hangs on it. last: how far the line reaches; work: nodes + 2
+   numbers. */
+void reaches(const Site *site, long m, const double *field, double last, double least, double *work, double *reaches)
 {
+    const long nodes = site->nodes;
     double *gap = work + 2;
-    for (long k = 0; k < nodes; k++) gap[k] = field[k] + initial_gap[k];
-    const double end = only_crossing(nodes, work, level, last, 1);
+    for (long k = 0; k < nodes; k++) gap[k] = field[k] + site->initial_gap[k];
+    const double end = only_crossing(nodes, work, site->contact, last, 1);
     const double pressed = end > 0.0 && m > 1 ? only_crossing(nodes, work, 0.0, last, 0) : 0.0;
     for (long k = 0; k < nodes && end > 0.0 && m > 1; k++) gap[k] = fabs(field[nodes + k]);
-    const double front = end > 0.0 && m > 1 ? only_crossing(nodes, work, peak, nextafter(end, 0.0), 1) : 0.0;
+    const double front = end > 0.0 && m > 1 ? only_crossing(nodes, work, site->peak, nextafter(end, 0.0), 1) : 0.0;
     reaches[0] = end;
     reaches[1] = front;
     reaches[2] = front > 0.0 && end - pressed > least && pressed - front > least ? pressed : 0.0;
@@ -658,17 +659,17 @@ double alternation(long outer, long count, long wide, const double *values, int 
     return largest;
 }
 
-/* The largest `alternation` of fields (m, nodes) of a line from the middle of an even one outwards, each over
-   its largest size, or `least` where that is less, by which it is divided; even where its sign is 1, odd where
-   that is -1. */
-double alternation_of_halves(long m, long nodes, double *fields, const int *signs, int closed, double least)
+/* The largest `alternation` of fields (m, nodes) of half a line, each over its largest size, or the least where
+   that is less, by which it is divided. */
+static double alternation_of_halves(const Site *site, long m, double *fields)
 {
+    const long nodes = site->nodes;
     double found = 0.0;
     for (long i = 0; i < m; i++) {
-        double *own = fields + i * nodes, largest = least;
+        double *own = fields + i * nodes, largest = site->least;
         for (long k = 0; k < nodes; k++) largest = greater(fabs(own[k]), largest);
         for (long k = 0; k < nodes; k++) own[k] /= largest;
-        found = greater(alternation(1, nodes, 1, own, signs[i], closed, 0), found);
+        found = greater(alternation(1, nodes, 1, own, site->sign[i], site->closed, 0), found);
     }
     return found;
 }
@@ -719,6 +720,28 @@ static void without_twins(const Path *p, long first, double twins, int *kept)
     }
 }
 
+/* Gauss and Legendre's rule of so many points: places, before shares, of those of two points on. */
+const double *rule_of(long count, const double *rules)
+{
+    for (long k = 2; k < count; k++) rules += 2 * k;
+    return rules;
+}
+
+/* Lagrange's polynomials of so many places at a point, and their slopes. */
+void lagrange(long count, const double *place, double at, double *value, double *slope)
+{
+    for (long j = 0; j < count; j++) {
+        value[j] = 1.0;
+        slope[j] = 0.0;
+        for (long other = 0; other < count; other++) {
+            if (other == j) continue;
+            const double apart = at - place[other], scale = 1.0 / (place[j] - place[other]);
+            slope[j] = (slope[j] * apart + value[j]) * scale;
+            value[j] *= apart * scale;
+        }
+    }
+}
+
 /* Work from point number `first` of a path to its last one: polynomials through all, by distance along them.
    points, shares: Gauss and Legendre's rule of as many points, which is exact. (Lagrange's polynomials are
    summed up first: next to each other they make large numbers that cancel.) */
@@ -730,20 +753,13 @@ static double line_work(const Path *p, long first, const double *points, const d
     const double half = 0.5 * (place[count - 1] - place[first]);
     for (long k = 0; k < count; k++) {
         const double at = place[first] + half * (1.0 + points[k]);
-        double force[MOST] = {0}, moving[MOST] = {0};
-        for (long j = 0; j < count; j++) {
-            double value = 1.0, slope = 0.0;
-            for (long other = 0; other < count; other++) {
-                if (other == j) continue;
-                const double apart = at - place[other], scale = 1.0 / (place[j] - place[other]);
-                slope = (slope * apart + value) * scale;
-                value *= apart * scale;
-            }
+        double force[MOST] = {0}, moving[MOST] = {0}, value[POINTS], slope[POINTS];
+        lagrange(count, place, at, value, slope);
+        for (long j = 0; j < count; j++)
             for (long i = 0; i < m; i++) {
-                force[i] += value * p->forces[j * m + i];
-                moving[i] += slope * p->displacements[j * m + i];
+                force[i] += value[j] * p->forces[j * m + i];
+                moving[i] += slope[j] * p->displacements[j * m + i];
             }
-        }
         for (long i = 0; i < m; i++) work += half * shares[k] * p->weights[i] * force[i] * moving[i];
     }
     return work;
@@ -768,13 +784,6 @@ static double held(double work, const Path *p, long first)
         doubt += p->weights[i] * 0.5 * change * way;
     }
     return fabs(work - chords) <= doubt ? work : chords;
-}
-
-/* Gauss and Legendre's rule of so many points: places, before shares, of those of two points on. */
-static const double *rule_of(long count, const double *rules)
-{
-    for (long k = 2; k < count; k++) rules += 2 * k;
-    return rules;
 }
 
 /* `line_work` by some rules; *doubt: what it changes by without one of the points. */

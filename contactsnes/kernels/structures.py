@@ -11,6 +11,9 @@ MOST = 3
 PATCHES = 3
 """Sizes of patches."""
 
+PLACES = 16
+"""Places of a rule on the way of a step, at most."""
+
 TOO_MANY, FAILED = 83, 1
 """Status of a count of transforms beyond its limit, and of what has gone wrong in Python."""
 
@@ -206,6 +209,24 @@ class System(ctypes.Structure):
                 ("operator_text", c_char_p), ("zone_text", c_char_p)]
 
 
+class Site(ctypes.Structure):
+    """Nodes of a contact, and what is there."""
+
+    _fields_ = [("law", POINTER(Law)), ("nodes", c_long), ("initial_gap", c_void_p),
+                ("weight", c_void_p), ("contact", c_double), ("peak", c_double),
+                ("normal", c_double), ("sharp", c_double), ("parts", c_double * MOST),
+                ("halved", c_long), ("closed", c_long), ("sign", c_int * MOST),
+                ("least", c_double)]
+
+
+class Limits(ctypes.Structure):
+    """What steps are judged by."""
+
+    _fields_ = [*((name, c_double) for name in ("strays", "share", "longest", "reach", "held",
+                                                "open", "doubtful", "trifle")),
+                ("count", c_long), ("places", c_double * PLACES), ("shares", c_double * PLACES)]
+
+
 class Libraries(ctypes.Structure):
     """Functions of others that the library calls."""
 
@@ -219,5 +240,5 @@ class Libraries(ctypes.Structure):
 
 STRUCTURES = {cls.__name__: cls for cls in (Law, Line, Transform, Response, Shares, Columns, Form,
                                             Motion, Arc, Circle, Block, Blur, Zone, TwoGrids,
-                                            Overdamped, System, Libraries)}
+                                            Overdamped, System, Site, Limits, Libraries)}
 """By the name that kernels.h gives them."""

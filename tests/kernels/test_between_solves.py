@@ -34,6 +34,7 @@ from contactsnes.interface.laws.modified import Modified
 from contactsnes.kernels import library, points, splines, structures
 from contactsnes.kernels.choice import chosen
 from contactsnes.kernels.laws import kernel_of
+from contactsnes.kernels.sites import Site, States
 
 compiled = pytest.mark.skipif(library.reason() is not None, reason="no compiled library")
 EVEN = {"line": (Scene(points=128, period=20.0), (0,), 1),
@@ -106,11 +107,12 @@ def test_surveys(components, nodes, weighted):
     """Numbers of a state by the library and by NumPy, on laws with slip and without."""
     ((displacement,), gap, weights), law = fields(components, nodes, 1), Contact(SOFT).law
     displacement[1:, ::5] = 0.0
-    limits = np.array([2.718, law.slip_peak, 2.0, 3.5])
-    given = displacement, gap, weights if weighted else None, limits
-    expected, found = survey.by_numpy(law, *given), points.survey(kernel_of(law), *given)
-    for one, other in zip(found, expected):
-        np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-12)
+    limits = {"contact": 2.718, "peak": law.slip_peak, "normal": 2.0, "sharp": 3.5}
+    given = gap, weights if weighted else None
+    expected = survey.by_numpy(law, displacement, *given, *limits.values())
+    numbers, traction = Site(kernel_of(law), *given, **limits).survey(displacement)
+    np.testing.assert_allclose(numbers[:-1], expected[0], rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(traction, expected[1], rtol=1e-12, atol=1e-12)
 
 
 def test_a_survey_of_known_tractions():
@@ -154,24 +156,25 @@ def test_ways_of_steps(components, nodes, weighted):
     gap[65:330] += 30.0
     gap[450:580] += 30.0
     contact, weights = Contact(SOFT), weights if weighted else None
-    limits = acceptance._limits(contact)
+    peak = contact.law.slip_peak
     np.testing.assert_allclose(points.apart(began, ended, gap, weights, 3.0),
                                states._apart(began, ended, gap, weights, 3.0), rtol=1e-12)
-    for limits[-2] in (limits[-2], 60.0):
-        told = points.strays(foretold, ended, began, gap, weights, limits)
-        expected = acceptance._by_numpy(foretold, ended, began, gap, weights, limits)
+    for threshold in (contact.scene.contact_threshold, 60.0):
+        site = Site(kernel_of(contact.law), gap, weights, contact=threshold, peak=peak)
+        told = site.strays(States([foretold, ended, began]), acceptance.LIMITS)
+        expected = acceptance._by_numpy(foretold, ended, began, gap, weights, threshold, peak)
         np.testing.assert_allclose(told, expected, rtol=1e-12, atol=1e-12)
         assert nodes < 700 or (np.all(expected[2:6] > 0.0)
                                and (components == 1) == (expected[6] == 0.0))
 
 
 @compiled
-@pytest.mark.parametrize("count", [1, 2, 3, 4])
+@pytest.mark.parametrize("count", [1, 2, 4, 5])
 @pytest.mark.parametrize("components, nodes", [(1, 1), (1, 700), (3, 259)])
 def test_combined_states(components, nodes, count):
     """Weighted sums by the library and by NumPy, without gaps below a floor."""
     known, gap, weights = fields(components, nodes, count)
-    given = list(known), np.array([1.5, -0.7, 0.3, 0.2])[:count], gap
+    given = list(known), np.array([1.5, -0.7, 0.3, 0.2, 0.1])[:count], gap
     for floor in (-np.inf, 1.0):
         np.testing.assert_allclose(points.combined(*given, floor),
                                    combining._combined(*given, floor), rtol=1e-14, atol=1e-15)
@@ -188,13 +191,20 @@ def test_works_along_states(components, weighted, count):
     known = numbers.uniform(-1.0, 1.0, (count, components, 700)).cumsum(axis=0)
     gap, weights = numbers.uniform(-2.0, 150.0, 700), numbers.uniform(0.0, 2.0, 700).round()
     weights = weights if weighted else None
-    moved = points.squares_along(list(known), weights)
-    np.testing.assert_allclose(moved, interface_work._squares(list(known), weights), rtol=1e-13)
-    places = np.append(0.0, np.sqrt(moved).cumsum())
-    for first in {0, count - 2}:
-        given = list(known), gap, weights, law.range, interface_work._rule(places, first)
-        np.testing.assert_allclose(points.works_along(kernel_of(law), *given),
-                                   interface_work._by_numpy(law, *given), rtol=1e-11, atol=1e-11)
+    for path in (known, [known[0], known[0] + 1e-9, *known[1:]])[:1 + (count < 4)]:
+        site, given = Site(kernel_of(law), gap, weights), States(path)
+        moved = site.squares_along(given)
+        np.testing.assert_allclose(moved, interface_work._squares(path, weights), rtol=1e-13)
+        for first in {0, len(path) - 2}:
+            for own in (None, numbers.uniform(0.0, 2.0, 700).round()):
+                found = site.works_along(given, own, moved, first, work_along.TWINS,
+                                         work_along.rules(), law.range)
+                expected = interface_work._by_numpy(law, path, gap,
+                                                    weights if own is None else own, moved, first)
+                np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-11)
+    still = States([known[0]] * 2)
+    assert not site.works_along(still, None, np.zeros(1), 0, work_along.TWINS, work_along.rules(),
+                                law.range).any()
 
 
 @compiled
@@ -213,10 +223,9 @@ def test_releases(components):
     sets = [np.any(aside > acceptance.DOUBTFUL * allowed, axis=0), near, moved > 0.5 * moved.max()]
     works = acceptance._works(contact, gaps, change)
     expected = [[np.sum(work * each * nodes) for nodes in sets] for work in works]
-    found = points.releases(kernel_of(contact.law), foretold, ended, began, gap, each,
-                            energies.weights(contact, components),
-                            (acceptance.PLACES, acceptance.SHARES), acceptance._limits(contact),
-                            float(moved.max()))
+    parts = tuple(energies.weights(contact, components))
+    found = Site(kernel_of(contact.law), gap, each, parts=parts).releases(
+        States([foretold, ended, began]), acceptance.LIMITS, float(moved.max()))
     np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-11)
 
 
@@ -256,16 +265,22 @@ def test_alternation(shape, axis, image, closed):
 @pytest.mark.parametrize("closed", [False, True])
 @pytest.mark.parametrize("signs", [(1,), (1, -1), (-1, -1)])
 def test_alternation_of_halves(signs, closed):
-    """Of the whole line that halves are of, each component over its largest size, or the least."""
-    fields = np.random.default_rng(7).normal(size=(len(signs), 40)) * [[7.0], [1e-3]][:len(signs)]
-    signs = np.array(signs)[:, None]
-    fields[:, :1] *= signs > 0  # as odd fields are on their axes
-    fields[:, 39:] *= (signs > 0) | (not closed)
-    images = signs * fields[:, -2 if closed else -1:0:-1]
+    """Of tractions on the whole line that halves are of, each component over its largest size, or
+    the least."""
+    (displacement,), gap, _ = fields(len(signs), 40, 1)
+    odd, law = np.array(signs) < 0, kernel_of(Contact(SOFT).law)
+    at = [0, 39] if closed else [0]  # where odd tractions vanish
+    displacement[1:] *= 1e-3
+    for place in at:
+        displacement[odd, place] = np.where(np.arange(len(signs)) == 0, -gap[place], 0.0)[odd]
+    tractions = law(displacement + np.outer(np.arange(len(signs)) == 0, gap),
+                    np.empty_like(displacement))
+    images = np.array(signs)[:, None] * tractions[:, -2 if closed else -1:0:-1]
     for least in (1e-9, 0.1):
-        sizes = np.maximum(np.max(np.abs(fields), axis=1, keepdims=True), least)
-        whole = np.concatenate([images, fields], axis=1) / sizes
-        assert points.alternation_of_halves(fields.copy(), signs, closed, least) == pytest.approx(
+        sizes = np.maximum(np.max(np.abs(tractions), axis=1, keepdims=True), least)
+        whole = np.concatenate([images, tractions], axis=1) / sizes
+        site = Site(law, gap, None, halved=True, closed=closed, sign=signs, least=least)
+        assert site.survey(displacement)[0][-1] == pytest.approx(
             np.max(np.abs(differences(whole, 1, closed))), rel=1e-12)
 
 
