@@ -22,6 +22,10 @@ CORNER = 30.0
 """How much faster than on average over its bracket a slope must change to be that of a corner."""
 
 
+PASSED = 1e-4
+"""Load, relative to itself, by which an end of a bracket has more than the fold found in it where
+that is another one: what solves leave of a balance that hardly holds a body may be thousands of
+times as much as a fold's own load is known to."""
 MISSED, SHARE = 0.1, 0.5
 """Ranges of the law, and part of the bracket, that a solve in it may end from its prediction."""
 NEARLY = 0.25
@@ -117,7 +121,7 @@ class LimitPoint:
         """NotConverged for a fold that the load has passed at the ends that its bracket began with,
         and has to turn before: it is one of several, or another branch's."""
         passed = max(self.sign * (end.point.position - fold.position) for end in first)
-        if passed > 0.0 and self.relative(passed) > FOLD_TOLERANCE:
+        if passed > 0.0 and self.relative(passed) > PASSED:
             raise NotConverged("the load turns more than once between two points, or the search "
                                "for the fold came upon another branch")
 
