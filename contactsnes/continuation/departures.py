@@ -36,6 +36,29 @@ def starts(system, fold, beyond):
     return kicks if near is None else [lambda: near, *kicks]
 
 
+def foreknown(system, leg, place, last):
+    """The fold at a place of a leg that no search has to find (`System.end_of_attraction`), or
+    None: none where motion from beside it leads back, as of what glides where friction falls, if
+    ever so little, as slip is taken back.
+
+    Parameters
+    ----------
+    system, leg : System, Leg
+    place : of the last point in the leg
+    last : Point
+    """
+    fold = system.end_of_attraction(last, leg, place)
+    if fold is None or fold.fold_kind != "sliding":
+        return fold
+    near, where = system.within_range(fold), f"at {system.told(leg.controls, fold.load)}"
+    try:
+        found = system.settle(near, leg.controls, fold.load, where, fold.state)
+    except (NotConverged, NoEquilibrium):
+        return fold
+    kick = system.missed(fold.state, near)
+    return fold if system.missed(fold.state, found.state) > APART * kick else None
+
+
 def jumped(system, leg, fold, starts, where, check_end):
     """The equilibrium at a fold's load to which motion leads from the first start that does not
     lead back. A body that leaves, from one start, says nothing of others, nor of other loads.

@@ -217,7 +217,7 @@ class NaturalSteps(LoadSteps):
         starts : function as `departures.starts`, of states from which the jump's motion begins
         """
         place, last = self.history[-1]
-        fold, passed = self.system.end_of_attraction(last, self.leg, place), None
+        fold, passed = departures.foreknown(self.system, self.leg, place, last), None
         if fold is None:
             search = kind(self.system, self.leg, self.history)
             fold, beyond, passed = search.search(error, refused)

@@ -151,6 +151,8 @@ def by_creep(system, state, controls, load, origin, options):
         return point
     works = contact.grid.node_area * motion.works
     works[0] += straight(contact, origin, state, 1 if beside else FAR_PANELS)
+    # Newton's method goes the last part of the way: not a small one where nothing holds the body.
+    works[0] += straight(contact, motion.state(), point.state, 1)
     works = works @ weights(contact, len(controls))
     return replace(point, jump_work=float(works[0]),
                    viscous_work=float(works[1]) if beside else math.nan)

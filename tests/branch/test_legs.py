@@ -14,6 +14,8 @@ from contactsnes.branch import first_points  # noqa: E402
 from contactsnes.branch.branch import Branch  # noqa: E402
 from contactsnes.branch.tracing import Tracer  # noqa: E402
 from contactsnes.contact import states  # noqa: E402
+from contactsnes.contact.energies import weights  # noqa: E402
+from contactsnes.contact.interface_work import straight  # noqa: E402
 from contactsnes.continuation.points import Leg, NoEquilibrium, NotConverged  # noqa: E402
 from contactsnes.scene.load import Load, controls_along  # noqa: E402
 from contactsnes.scene.settings import Form, Scene, Steps  # noqa: E402
@@ -353,3 +355,29 @@ def test_a_body_that_is_pulled_out_of_the_laws_range_has_no_equilibrium(scene, s
         for point in branch:
             found.append(point)
     assert all(point.forces[0] == pytest.approx(0.0, abs=1e-7) for point in found)
+
+
+GLIDING = Scene(geometry="sinusoid", amplitude=0.2, points=32, period=20.0, poisson=0.0,
+                height=float("inf"), normal_maugis=0.409, tangential_maugis=0.111)
+
+
+@pytest.mark.parametrize("slid", [-6.4, -6.5, -7.0])
+def test_a_glide_whose_friction_falls_by_ever_so_little_is_led_back_without_a_fold(slid):
+    """Slip fades the attraction and so moves the surfaces, which changes friction by a few
+    millionths: no jump, but the way back."""
+    path = f"tangential_displacement={slid}; tangential_force=0"
+    _, points = followed(path, GLIDING, None, "normal_displacement=-1")
+    assert not [point.event for point in points if point.leg == 2 and point.event]
+    assert points[-1].displacements[1] == pytest.approx(0.0, abs=1e-6)
+    assert points[-1].forces[0] == pytest.approx(points[0].forces[0], rel=1e-8)
+
+
+def test_what_newtons_method_adds_to_a_motion_counts_among_its_works():
+    """The body may stand anywhere on the way, and its friction does work on all of it."""
+    path = "tangential_displacement=-7; tangential_force=0"
+    scene = replace(GLIDING, law="dugdale", dugdale_width=1.0)
+    branch, points = followed(path, scene, None, "normal_displacement=-1")
+    jump = next(point for point in points if point.event == "jump")
+    fold = points[points.index(jump) - 1]
+    work = straight(branch.contact, fold.state, jump.state, 60) @ weights(branch.contact, 2)
+    assert jump.jump_work == pytest.approx(work, rel=1e-5)
