@@ -736,6 +736,7 @@ int precondition_in_single(Zone *z, const float *vector, float *out)
     double right[MOST] = {0}, scalar[MOST] = {0};
     int status;
     z->applications++;
+    if (z->elsewhere) return z->elsewhere(vector, out);
     for (long i = 0; i < m; i++) {
         const float *x = vector + i * n;
         status = 0;

@@ -170,6 +170,7 @@ struct Zone { /* CoreZone, of a form or of a form under arc length */
     const Circle *circles[MOST];
     long circle_count[MOST];
     int (*missing)(long component, long first, long second, long apart); /* Python's: makes a circle */
+    int (*elsewhere)(const float *vector, float *out); /* Python's: applies a zone in place of this; or null */
     long sizes[PATCHES];             /* nodes of patches in each direction, the largest first, the last one 1: */
     double left[PATCHES];            /* C D up to which they are taken */
     long patched, start[2];          /* whether cores are in patches; first node of the box in the cell */

@@ -46,6 +46,7 @@ def address(array):
 AddUp = ctypes.CFUNCTYPE(c_int, c_void_p, c_long)
 Multiply = ctypes.CFUNCTYPE(c_int, c_void_p, c_void_p, c_int)
 Missing = ctypes.CFUNCTYPE(c_int, c_long, c_long, c_long, c_long)
+Elsewhere = ctypes.CFUNCTYPE(c_int, c_void_p, c_void_p)
 
 
 class Law(ctypes.Structure):
@@ -181,8 +182,8 @@ class Zone(ctypes.Structure):
                 ("pad", c_double), ("floor", c_double), ("reach", c_long * 2),
                 ("wraps", c_long * 2), ("applications", c_long), ("set_ups", c_long),
                 ("circles", POINTER(Circle) * MOST), ("circle_count", c_long * MOST),
-                ("missing", Missing), ("sizes", c_long * PATCHES), ("left", c_double * PATCHES),
-                ("patched", c_long), ("start", c_long * 2),
+                ("missing", Missing), ("elsewhere", Elsewhere), ("sizes", c_long * PATCHES),
+                ("left", c_double * PATCHES), ("patched", c_long), ("start", c_long * 2),
                 ("shortest", c_double * PATCHES * MOST), ("between", c_void_p * MOST),
                 ("kernel_at_zero", c_double * MOST), ("block", Block * MOST),
                 ("grids", POINTER(TwoGrids) * MOST), ("mean_count", c_long),

@@ -184,45 +184,6 @@ class CompiledZone:
         return out
 
 
-class MadeZone:
-    """A zone that was made in Python, of one box whose nodes processes share out, as the library
-    applies it to vectors in single precision.
-
-    Parameters
-    ----------
-    zone : `solvers.core_zone.CoreZone` without patches, whose transforms are the library's
-    kernel : CompiledForm
-    """
-
-    def __init__(self, zone, kernel):
-        self._kernel, self._single, self._circles, self._kept = kernel, None, [], [zone]
-        own = self.structure = structures.Zone(mean_count=len(zone.means))
-        own.form, own.columns = ctypes.pointer(kernel.structure), address(zone.columns)
-        own.means[:len(zone.means)] = zone.means
-        own.inverse[:zone.inverse.size] = zone.inverse.reshape(-1)
-        self._blocks = [(own.block[i], block) for i, block in enumerate(zone.blocks) if block]
-        for block, made in self._blocks:
-            weights = [np.ascontiguousarray(weight) for weight in (made.into, made.back)]
-            block.on, (block.into, block.back) = 1, map(address, weights)
-            block.first[:] = [part.start for part in made.index[1:]]
-            block.extent[:] = made.into.shape[1:]
-            self._kept.append(weights)
-        self.reference = ctypes.addressof(own)
-
-    def choose(self, single):
-        """Have products and the zone in single precision, or in double, from now on."""
-        self._kernel.set_precision(single)
-        if single is self._single:
-            return
-        self._single, self._circles = single, []
-        for block, made in self._blocks:
-            plan, symbol = made.circle(single)
-            circle = structures.Circle(symbol=address(symbol))
-            circle.quick = circle.transform = ctypes.pointer((plan.folded or plan).structure)
-            block.circle, block.made = ctypes.pointer(circle), single
-            self._circles.append((plan, symbol, circle))
-
-
 class Circle:
     """A circle for cores of a component up to an extent.
 

@@ -85,7 +85,8 @@ def in_library(operator, pc):
     if hasattr(context, "in_library"):
         form = form_of(operator)
         made = context.in_library(form)
-        return made and (form.kernel, *made, None)
+        if made:
+            return form.kernel, *made
     own = operator.getAttr("callbacks")
     zone = (pc.getAttr("callbacks") if pc.getType() == "shell"
             else getattr(context, "callbacks", None))

@@ -1,12 +1,15 @@
 """Preconditioners of the contact Jacobian, one for each form, and the thin PETSc context around
 them."""
 
+import weakref
+
 import numpy as np
 
 from ..contact.bordered import ArcLength
 from ..contact.even_form import EvenForm
 from ..contact.force_form import ForceForm
-from ..kernels.zones import MadeZone
+from ..contact.forms import DisplacementForm
+from ..kernels.made_zones import AskedZone, MadeZone
 from ..options.database import read
 from ..options.fields import InputError
 from . import callbacks
@@ -162,18 +165,22 @@ class ZonePC:
         self._in_library = None
 
     def in_library(self, form):
-        """(Zone in the library, function that chooses its precision) of a form of even states whose
-        nodes processes share out; None of others.
+        """(Zone in the library, function that chooses its precision, None) of a form whose nodes
+        processes share out; None of others.
 
         Parameters
         ----------
         form : of the equations, or None
         """
-        able = type(form) is EvenForm and form.kernel and form.grid.shared
-        if not (able and self.zone.form is form.half):
+        able = type(form) in (EvenForm, DisplacementForm) and form.kernel and form.grid.shared
+        if not (able and self.zone.form is getattr(form, "half", form)):
             return None
-        made = self._in_library = self._in_library or MadeZone(self.zone, form.kernel)
-        return made, lambda: made.choose(self.precision.now())
+        if self._in_library is None:
+            own = weakref.ref(self)
+            self._in_library = (MadeZone(self.zone, form.kernel) if form.even else AskedZone(
+                form.kernel, lambda *arrays: own().apply_to(*arrays)))
+        made = self._in_library
+        return made, lambda: made.choose(self.precision.now()), None
 
     def apply(self, pc, x, y):
         """y = M^-1 x.
@@ -183,8 +190,17 @@ class ZonePC:
         pc : petsc4py PC
         x, y : petsc4py Vec; y is filled
         """
+        self.apply_to(x.getArray(readonly=True), y.getArray())
+
+    def apply_to(self, vector, out):
+        """out = M^-1 vector.
+
+        Parameters
+        ----------
+        vector, out : arrays of the form's size; out is filled
+        """
         single = [True] if self.precision.now() else []
-        self.zone.apply(x.getArray(readonly=True), y.getArray(), *single)
+        self.zone.apply(vector, out, *single)
 
     def view(self, pc, viewer):
         """What -snes_view prints."""

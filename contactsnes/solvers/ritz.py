@@ -101,7 +101,7 @@ class Ritz:
 
     Parameters
     ----------
-    spots : `two_grids.SpotsPC`, whose systems tell of modes, too, or None
+    spots : `spots.SpotsPC`, whose systems tell of modes, too, or None
     """
 
     def __init__(self, spots=None):

@@ -10,7 +10,7 @@ from petsc4py import PETSc
 
 from ..contact.balance import TOLERANCE
 from ..options.database import read
-from . import callbacks, two_grids
+from . import callbacks, spots
 from .capabilities import asked
 from .krylov import of_ksp, set_defaults
 from .multigrid import create_levels
@@ -132,7 +132,7 @@ def create_snes(form, prefix="", tolerance=None, single=False, packed=False):
         # Below half the tolerance of the outer iteration a linear solve polishes what nobody asks
         # for.
         snes.getKSP().setTolerances(atol=0.5 * snes.getTolerances()[1] * form.linear_tolerance)
-    watch_modes(snes, form, method, two_grids.offer(snes, form, single))
+    watch_modes(snes, form, method, spots.offer(snes, form, single))
     regularise([*((solver, form) for solver in (snes, *inner_solvers(snes, form))), *smoothers],
                read(NewtonOptions, prefix))
     return snes

@@ -11,7 +11,7 @@ from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.problem import DISPLACEMENT
 from contactsnes.grid.active import Nodes
 from contactsnes.kernels.choice import chosen
-from contactsnes.solvers import patch_systems, two_grids
+from contactsnes.solvers import patch_systems, spots, two_grids
 from contactsnes.solvers.core_zone import CoreOptions
 from contactsnes.solvers.patch_systems import APART, WITHIN, Patches
 from contactsnes.solvers.ritz import Ritz
@@ -190,7 +190,7 @@ def test_what_suits(small, monkeypatch):
 
 
 class Spots:
-    """What a monitor asks of `two_grids.SpotsPC`."""
+    """What a monitor asks of `spots.SpotsPC`."""
 
     begun = 0
 
@@ -273,7 +273,7 @@ def test_krylov_methods_that_need_one_function_have_the_zone(small, options, met
     options(ksp_type=method)
     pc = create_snes(form_on()).getKSP().getPC()
     context = pc.getPythonContext() if pc.getType() == "python" else None
-    assert isinstance(context, two_grids.SpotsPC) == offered
+    assert isinstance(context, spots.SpotsPC) == offered
 
 
 @pytest.mark.parametrize("name", ["none", "jacobi"])
