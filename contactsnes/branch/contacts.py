@@ -77,7 +77,7 @@ def contact_of(scene, load, form, log):
     ----------
     scene, load : Scene and Load
     form : Form
-    log : function (sentence); called where the law is not computed as the rest is
+    log : function (sentence); called where kernels, or the law, are not compiled though wanted
 
     Raises
     ------
@@ -96,6 +96,9 @@ def contact_of(scene, load, form, log):
         contact = Contact(scene, kernels=kernels, grid=grid)
         refuse_contact_at_edge(shapes.of(scene), contact)
         check_depth(scene, load, contact.mean_initial_gap, contact.rigid_compliance(1)[0])
+    if kernels.missed:
+        log(f"NumPy computes, which takes several times as long as compiled kernels: "
+            f"{kernels.reason}")
     if kernels.law_reason:
         log(f"the law is evaluated by NumPy: {kernels.law_reason}")
     return contact

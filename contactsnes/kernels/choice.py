@@ -51,6 +51,7 @@ class Interpreted:
     Attributes
     ----------
     reason : why the library is left out, in words
+    missed : whether nobody asked for that
     law_reason : None; of `Compiled`, why its last law is not compiled
     """
 
@@ -59,8 +60,8 @@ class Interpreted:
     spline, sources, blurred = staticmethod(spline), staticmethod(sources), staticmethod(blurred)
     crossings, alternation = staticmethod(crossings), staticmethod(alternation)
 
-    def __init__(self, reason):
-        self.reason = reason
+    def __init__(self, reason, missed=False):
+        self.reason, self.missed = reason, missed
 
     @staticmethod
     def real(grid, shape, count):
@@ -114,7 +115,7 @@ class Compiled:
     agreed : as of `chosen`
     """
 
-    compiled, reason = True, None
+    compiled, reason, missed = True, None, False
 
     def __init__(self, cache, agreed):
         from . import fftw, points, slab_even, slab_real, slabs, splines, transforms
@@ -210,4 +211,6 @@ def chosen(wanted=True, cache=None, agreed=lambda reason: reason):
         out a plane have to, since C and NumPy ask each other for different things
     """
     reason = agreed(library.reason()) if wanted else "-contact_kernels is off"
-    return Interpreted(reason) if reason else Compiled(Path(cache or default_cache()), agreed)
+    if reason:
+        return Interpreted(reason, missed=wanted and not library.switched_off())
+    return Compiled(Path(cache or default_cache()), agreed)

@@ -72,7 +72,7 @@ def shared():
 
     ``CONTACTSNES_KERNELS=off`` in the environment leaves it out.
     """
-    if os.environ.get("CONTACTSNES_KERNELS") == "off":
+    if switched_off():
         raise Unavailable("CONTACTSNES_KERNELS is off")
     library = load()
     for name, function in EXECUTE.items():
@@ -81,6 +81,11 @@ def shared():
         function = getattr(library, name)
         function.argtypes, function.restype = arguments, RETURNED.get(name, ctypes.c_int)
     return library
+
+
+def switched_off():
+    """Whether the environment leaves the library out."""
+    return os.environ.get("CONTACTSNES_KERNELS") == "off"
 
 
 def pointers(library):

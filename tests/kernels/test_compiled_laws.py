@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from contactsnes import Branch, Form, Load, Scene
 from contactsnes.interface.laws import LAWS
 from contactsnes.interface.laws.law import Law
 from contactsnes.kernels import building, library
@@ -229,3 +230,17 @@ def test_libraries_of_other_sources_are_not_taken(tmp_path):
         source.write("\n")
     with pytest.raises(Unavailable, match="built from other sources"):
         library.load(tmp_path)
+
+
+@pytest.mark.parametrize("kernels, switch, told", [("auto", "", True), ("off", "", False),
+                                                   ("auto", "off", False)])
+def test_a_run_without_the_library_says_so_unless_asked_for(kernels, switch, told, monkeypatch):
+    def missing():
+        raise Unavailable("it was not built")
+
+    monkeypatch.setattr(library, "shared", missing)
+    monkeypatch.setenv("CONTACTSNES_KERNELS", switch)
+    said = []
+    Branch(Scene(points=128), Load(path="normal_displacement=0.1"), form=Form(kernels=kernels),
+           log=said.append)
+    assert any("it was not built" in sentence for sentence in said) is told
