@@ -16,21 +16,20 @@ from ..dynamics.relaxing import nearer
 from ..grid.active import Nodes
 from ..grid.boxes import in_words
 from ..scene.load import units
-from ..solvers import callbacks
 from ..solvers.capabilities import asked, of_snes
 from ..solvers.krylov import LARGE
 from ..solvers.patience import Patience
 from ..solvers.precision import PATIENCE, pays, trusted
 from ..solvers.regularised import step_from_afar
 from ..solvers.ritz import stirred
-from ..solvers.snes import KSP_REASONS, SNES_REASONS, WARM, create_snes, end_of, ended_early
-from ..solvers.vectors import collect, create_vector
+from ..solvers.snes import KSP_REASONS, SNES_REASONS, WARM, create_snes, end_of, ended_early, solve
+from ..solvers.vectors import collect
 
 
 def refuse_unknown(grid, *starts):
     """NotConverged where what a solve begins with, arrays, holds infinite values or NaN: so does
     its sum."""
-    if grid.any(not all(math.isfinite(np.add.reduce(start, axis=None)) for start in starts)):
+    if grid.any(not math.isfinite(sum([np.add.reduce(start, axis=None) for start in starts]))):
         raise NotConverged("the solve cannot begin: its start holds NaN or infinite values")
 
 
@@ -119,8 +118,7 @@ class Corrector:
                 continue
             unknown, state, imbalance = self.balanced(form, unknown, state)
             if imbalance is not None:
-                return self._point(form, state, imbalance,
-                                   iterations).changed(softest=form.ritz.smallest)
+                return self._point(form, state, imbalance, iterations, form.ritz.smallest)
             guess = state
         raise NotConverged("the window kept growing: try -contact_window off")
 
@@ -190,12 +188,9 @@ class Corrector:
         turned, form.precision.allowed = form.precision.turned, trusted(form, near)
         if newton and most_iterations and not form.bounded:
             snes.setTolerances(max_it=most_iterations)
-        refuse_unknown(form.grid, unknown)
-        solution = create_vector(form, unknown)
-        callbacks.solve(snes, solution)
+        solve(snes, form, unknown)
         if form.precision.turned > turned == 0:
             self.log(TURNED)
-        solution.destroy()  # at once: older petsc4py does so late
         self._ended = end_of(snes, form) if newton else None
         iterations, reason = snes.getIterationNumber(), snes.getConvergedReason()
         self.totals["nonlinear_iterations"] += iterations
@@ -272,9 +267,14 @@ class Corrector:
         closest = self._imbalance(form, state, self.snes).closest if some else None
         return states.covers(self.contact, state, closest)
 
-    def _point(self, form, state, imbalance, iterations):
+    def _point(self, form, state, imbalance, iterations, softest):
         """The Point of a state that passes the test of convergence; NotConverged for one that does
-        not."""
+        not.
+
+        Parameters
+        ----------
+        form, state, imbalance, iterations, softest : what was solved and found, and how
+        """
         contact, components = self.contact, form.components
         survey, tolerance = contact.survey(state), self.snes.getTolerances()[1]
         if not imbalance.norm <= tolerance:
@@ -295,5 +295,5 @@ class Corrector:
         in_contact = survey.touching > 0
         sliding = components > 1 and in_contact and survey.sticking == 0
         return Point(state, form.controls, form.load.copy(), displacements, forces, in_contact,
-                     sliding, imbalance.norm, largest_residual=imbalance.largest,
+                     sliding, imbalance.norm, largest_residual=imbalance.largest, softest=softest,
                      spent={"last_iterations": iterations}, units=self._units)

@@ -20,7 +20,7 @@ from ..solvers.precision import pays
 from ..solvers.ritz import many
 from ..solvers.snes import KSP_REASONS, WARM, create_snes, idle, kept
 from . import coarse_motion, crossing
-from .corrector import Corrector, finite
+from .corrector import Corrector, finite, refuse_unknown
 from .ends import Ends
 from .neighbours import Neighbours
 
@@ -94,6 +94,7 @@ class Tracer(Corrector, Neighbours, Ends):
         length, guess = share * length + rate * position, finite(guess)
         for _ in range(6):
             form, arc, snes, start = self._on_chord(chord, length, guess, position, leg, border)
+            refuse_unknown(form.grid, start)
             with tightened(snes, form) if tight else nullcontext():
                 unknown, iterations = self.run(arc, start, WARM, snes)
             arc.set_position(arc.position(unknown))
@@ -104,9 +105,8 @@ class Tracer(Corrector, Neighbours, Ends):
             unknown, state, imbalance = self.balanced(form, unknown, state, arc, snes)
             if imbalance is not None:
                 arc.set_position(arc.position(unknown))
-                point = self._point(form, state, imbalance, iterations)
-                return point.changed(leg=leg.number, position=float(arc.position(unknown)),
-                                     softest=arc.ritz.smallest)
+                point = self._point(form, state, imbalance, iterations, arc.ritz.smallest)
+                return point.changed(leg=leg.number, position=float(arc.position(unknown)))
             guess, position = state, arc.position(unknown)
         raise NotConverged("the window kept growing: try -contact_window off")
 

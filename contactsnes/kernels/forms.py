@@ -99,6 +99,8 @@ class CompiledForm:
             own.add_up = sums(self.grid.sum_up)
         own.response = ctypes.pointer(self._response)
         self._quick = None
+        self._told, self._row = np.empty(3), np.empty(self._response.shape[1])
+        self._places = address(self._row), address(self._told)
         self.reference = ctypes.addressof(own)
 
     @property
@@ -130,10 +132,10 @@ class CompiledForm:
         reach : normal gap within which the law acts, ranges
         answered : bool, whether the response to their tractions is in the transform (`answers`)
         """
-        numbers, scalars = np.empty(3), np.ascontiguousarray(scalars, dtype=float)
-        displacement, row = np.ascontiguousarray(displacement), np.empty(self._response.shape[1])
+        numbers, scalars = self._told, np.ascontiguousarray(scalars, dtype=float)
+        displacement = np.ascontiguousarray(displacement)
         call(self.library.imbalance, self.grid.counter, self.reference, address(displacement),
-             address(scalars), reach, address(row), address(numbers), answered)
+             address(scalars), reach, *self._places, answered)
         if self.grid.shared:
             numbers[0] = self.grid.together(numbers[0])
             numbers[1:] = self.grid.largest(numbers[1:])

@@ -12,7 +12,7 @@ from ..contact.balance import TOLERANCE
 from ..options.database import read
 from . import callbacks, spots
 from .capabilities import asked
-from .krylov import of_ksp, set_defaults
+from .krylov import LARGE, of_ksp, set_defaults
 from .multigrid import create_levels
 from .operators import Jacobian
 from .precision import Precision
@@ -155,6 +155,29 @@ def ended_early(snes):
     """The option by which a SNES ended above -snes_atol, in words; '' where none did."""
     option = EARLY.get(SNES_REASONS.get(snes.getConvergedReason()))
     return f", where {option} ended it: without that it goes on" if option else ""
+
+
+def solve(snes, form, unknown):
+    """Run a SNES of a form from an unknown, an array, which the solution overwrites.
+
+    The Vec of its last solve is put on it, but of large ones: an array stays with that as well.
+
+    Parameters
+    ----------
+    snes, form, unknown : SNES, form, array of the form's size
+    """
+    solution = snes.getSolution() if form.size < LARGE else None
+    again = bool(solution)
+    if again:
+        solution.placeArray(unknown)
+    else:
+        solution = create_vector(form, unknown)
+    try:
+        callbacks.solve(snes, solution)
+    finally:
+        if again:
+            solution.resetArray()
+        solution.destroy()  # at once: older petsc4py does so late
 
 
 def end_of(snes, form):

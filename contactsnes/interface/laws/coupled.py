@@ -72,7 +72,7 @@ class Coupled(Law):
         Below ``deepest`` it is the integral of the linear continuation. With slip these laws have
         no potential.
         """
-        if not np.min(normal_gap, initial=self.deepest) < self.deepest:
+        if not np.minimum.reduce(normal_gap, axis=None, initial=self.deepest) < self.deepest:
             decay = np.negative(normal_gap)
             np.exp(decay, out=decay)
             decay *= 1.0 + normal_gap
