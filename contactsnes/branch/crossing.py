@@ -81,9 +81,9 @@ def _crossing(system, last, load, beyond, where):
         ahead = level.prolonged(found.ahead)
         if behind is not None:
             # Both are as far from the finer grid's own states.
-            ahead = combining.combined(system.contact, [ahead, behind.state,
-                                                     level.prolonged(found.behind.state)],
-                                    [1.0, 1.0, -1.0])
+            behind_there = level.prolonged(found.behind.state)
+            ahead = combining.combined(system.contact, [ahead, behind.state, behind_there],
+                                       [1.0, 1.0, -1.0])
         return found._replace(before=before, behind=behind, ahead=ahead)
 
     return (coarsely(system, controls, last.state, motion)
