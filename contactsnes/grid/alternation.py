@@ -31,12 +31,18 @@ def across_rows(window, boxes, image, alternation):
     boxes, image : as of `alternation`
     alternation : that, or the library's
     """
-    wide, numbers = window.with_rows(boxes, REACH), window.rows.numbers
-    numbers = np.arange(-REACH, len(numbers) + REACH) + window.rows.first
+    before, after = window.rows.beside(boxes, REACH, REACH)
+    first, count = window.rows.first, boxes.shape[1]
     if image or not window.closed[0]:
-        wide[:, numbers < 0] *= image
-        wide[:, numbers >= window.extents[0]] *= image * window.closed[0]
-    return float(window.grid.largest(alternation(wide, 1, beyond=REACH)))
+        before[:, np.arange(first - REACH, first) < 0] *= image
+        after[:, np.arange(REACH) + first + count >= window.extents[0]] *= (image
+                                                                            * window.closed[0])
+    parts = [[before, boxes, after]]
+    if count > 2 * REACH:  # rows that have all they take are not copied
+        parts = [[boxes], [before, boxes[:, :2 * REACH]], [boxes[:, count - 2 * REACH:], after]]
+    return float(window.grid.largest(max(alternation(np.concatenate(part, 1) if part[1:]
+                                                     else boxes, 1, beyond=REACH)
+                                         for part in parts)))
 
 
 def alternation(boxes, axis, image=0, closed=False, beyond=0):

@@ -87,10 +87,20 @@ class Rows:
         field : array (..., rows of this process, columns)
         before, after : int, the same in all processes
         """
+        first, last = self.beside(field, before, after)
+        return np.concatenate([first, field, last], axis=-2)
+
+    def beside(self, field, before, after):
+        """These rows before and after alone.
+
+        Parameters
+        ----------
+        field, before, after : as of `around`
+        """
         asked = [self._inside(np.r_[first - before:first, first + number:first + number + after])
                  for first, number in self.parts]
         found = self.given(field, asked)
-        return np.concatenate([found[..., :before, :], field, found[..., before:, :]], axis=-2)
+        return found[..., :before, :], found[..., before:, :]
 
     def _inside(self, numbers):
         """Numbers of the rows that stand for those of numbers beyond the first or the last one."""

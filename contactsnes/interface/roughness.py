@@ -163,8 +163,10 @@ class Surface:
         step : array (directions,)
         """
         x, smallest = start, math.inf
+        # few are made once
+        kept = [*grid.turns(self.blocks())] if self.count <= BLOCK else None
         for _ in range(8):
-            heights, slopes, curvatures = self._at(grid, x)
+            heights, slopes, curvatures = self._at(grid, x, kept)
             smallest = min(smallest, np.min(0.5 * self.curvature * np.sum(x * x, axis=1) - heights))
             changes = [np.linalg.lstsq(curvature, -slope, rcond=None)[0] for curvature, slope
                        in zip(self.curvature * np.eye(x.shape[1]) + curvatures,
@@ -172,17 +174,18 @@ class Surface:
             x = np.clip(x + np.array(changes), start - step, start + step)
         return float(smallest)
 
-    def _at(self, grid, x):
+    def _at(self, grid, x, kept=None):
         """h, and gradient and second derivatives of -h, at places (places, directions).
 
         Parameters
         ----------
         grid : Grid, whose processes share out the waves
         x : array (places, directions)
+        kept : list of this process's blocks of waves; None: they are made
         """
         places, dimension = x.shape
         found = np.zeros((places, 1 + dimension + dimension ** 2))
-        for numbers, amplitudes, phases in grid.turns(self.blocks()):
+        for numbers, amplitudes, phases in (grid.turns(self.blocks()) if kept is None else kept):
             waves = self._waves(numbers)
             angle = (x + 0.5 * np.array(self.periods)) @ waves + phases
             cosine = amplitudes * np.cos(angle)
