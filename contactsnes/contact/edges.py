@@ -70,11 +70,11 @@ def _follow_spot(contact, states, weights):
         return None
     _, nodes, (last, *earlier) = alike(contact, [states[-1]], states[:-1])
     known, ahead = [*earlier, last], None
-    if contact.kernels.compiled and nodes.even and not contact.grid.shared:
-        gaps = [contact.gap_on(state.half) for state in states]
+    if nodes.even and not contact.grid.shared and contact.site(nodes):
+        sites = [contact.site(state.half) for state in states]
         if len(places[0]) == 1:
-            gaps.append(contact.gap_on(nodes.wider))
-        ahead = followed(states, known, gaps, contact.law.range, weights, places, target)
+            sites.append(contact.site(nodes.wider))
+        ahead = followed(states, known, sites, contact.law.range, weights, places, target)
     if ahead is None:
         ahead = _followed(contact, states, nodes, known, weights, places, target)
     return spread(nodes, ahead, weighted([state.means for state in states], weights))

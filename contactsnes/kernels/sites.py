@@ -40,6 +40,7 @@ class Site:
     Attributes
     ----------
     halved : whether they are half of a line
+    gap : where their initial gaps begin
     """
 
     def __init__(self, law, initial_gap, weights, **about):
@@ -47,7 +48,7 @@ class Site:
         self._structure = structures.Site(pointer(law.structure), len(initial_gap),
                                           address(initial_gap), address(weights), **about)
         self.reference, self._library = addressof(self._structure), shared()
-        self.halved = bool(self._structure.halved)
+        self.halved, self.gap = bool(self._structure.halved), self._structure.initial_gap
 
     def survey(self, displacement):
         """Numbers and tractions of a state, as of `contact.survey.by_numpy`; behind the numbers, of

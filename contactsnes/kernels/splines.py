@@ -2,10 +2,12 @@
 
 import math
 from ctypes import c_void_p
+from operator import is_
 
 import numpy as np
 
 from .library import shared
+from .sites import States
 from .structures import address
 
 LINES = 8
@@ -49,7 +51,7 @@ def spline(values, places, axis):
     return found
 
 
-def followed(states, known, gaps, reach, weights, places, target):
+def followed(states, known, sites, reach, weights, places, target):
     """Displacements (components, nodes) of even states of one box whose places are moved, as of
     `contact.edges._followed`; None where the law acts nowhere, or of a plane where that asks for
     more nodes than a state's window has.
@@ -58,15 +60,17 @@ def followed(states, known, gaps, reach, weights, places, target):
     ----------
     states : list of State, with their halves, oldest first
     known : arrays (components, nodes), their displacements at the nodes of the last one's half
-    gaps : arrays, initial gaps at the nodes of each one's half, delta_n; then, on a line, at those
-        of the wider half of the last one
+    sites : list of Site, of the nodes of each one's half; then, on a line, of those of the wider
+        half of the last one
     reach : normal gap within which the law acts
     weights : numbers, one a state
     places, target : for each state places in each direction, in nodes from the first one of the
         last window on, and where they are moved to
     """
-    fields, half = [state.once for state in states], states[-1].half
-    (components, nodes), begin, total = known[-1].shape, half.full.start, half.full.grid.shape
+    half, (components, nodes) = states[-1].half, known[-1].shape
+    known, own = States(known), [state.once for state in states]
+    fields = known if all(map(is_, own, known.fields)) else States(own)
+    begin, total = half.full.start, half.full.grid.shape
     signs = np.array(half.parities or ((1,) * len(total),) * components, dtype=np.intc)
     halves, plane = [state.half for state in states], len(total) > 1
     spread = np.array([(one.extents, one.full.extents, one.closed,
@@ -79,8 +83,8 @@ def followed(states, known, gaps, reach, weights, places, target):
     work = np.empty(_work(half.extents, spread[:, 0]) if plane else
                     4 * (spread[:, 1].max() + nodes) + 2 * components * nodes)
     shape, extents = np.array(half.extents), np.array(half.full.extents, dtype=np.intc)
-    given = (len(states), *(_each(arrays) for arrays in (known, fields, gaps)), address(spread),
-             address(signs))
+    gaps = (c_void_p * len(sites))(*[site.gap for site in sites])
+    given = known.count, known.places, fields.places, gaps, address(spread), address(signs)
     rest = (reach, address(weights), there.shape[-1], address(here), address(there), address(work),
             address(found))
     beyond = (shared().followed_plane(components, shape.ctypes.data, *given, address(extents),
@@ -95,8 +99,3 @@ def _work(shape, halves):
     (rows, columns), (across, along) = shape, np.transpose(halves) + MORE
     return (np.sum(rows * (along + 1) + columns)
             + SIDE * (max(across.max(), along.max()) + 2 * columns))
-
-
-def _each(arrays):
-    """Where each of some arrays begins, as an array of C."""
-    return (c_void_p * len(arrays))(*map(address, arrays))

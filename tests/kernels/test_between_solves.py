@@ -419,9 +419,9 @@ def test_halves_of_lines_whose_places_were_moved(extent, other, monkeypatch):
         # the law acts up to a node
         once[0] = np.where(np.arange(half.size) < last, 1.0, 2.0) - contact.gap_on(half)
         once[0] += 0.1 * np.sin(np.arange(half.size))
-        gaps = [contact.gap_on(one) for one in (there, half, half.wider)]
-        found = splines.followed(given, at_nodes, gaps, reach, weights, [[line] for line in places],
-                                 [target])
+        sites = [contact.site(one) for one in (there, half, half.wider)]
+        found = splines.followed(given, at_nodes, sites, reach, weights,
+                                 [[line] for line in places], [target])
         monkeypatch.setattr(interpreted.law, "range", reach)
         expected = edges._followed(interpreted, given, half, at_nodes, weights,
                                    [[line] for line in places], [target])
@@ -463,7 +463,7 @@ def test_quarters_of_planes_whose_places_were_moved(extent, far, monkeypatch):
         places = [middle + apart * np.array([[-1.0, 1.0], [-0.8, 0.8]])
                   for apart in (20.3, 19.0, 18.1)]
         target = middle + 17.0 * np.array([[-1.0, 1.0], [-0.8, 0.8]])
-        found = splines.followed(given, known, [contact.gap_on(one.half) for one in given], reach,
+        found = splines.followed(given, known, [contact.site(one.half) for one in given], reach,
                                  weights, places, target)
         if reach > 2.0 and min(extent) < 128:
             assert found is None
