@@ -25,6 +25,8 @@ mean over many nodes may tell little."""
 ALIKE = 1e-3
 """Relative difference of two norms of F up to which they are of one unknown. F is the difference of
 displacements and what they respond to: of other displacements all of it is another."""
+DIGITS = 100.0
+"""Last digits of displacements by which two norms of one unknown may differ besides."""
 MANY = 1024.0
 """Last digits by which displacements are moved to see what one does: more than what a converged
 state leaves, and small beside the law's range."""
@@ -111,23 +113,39 @@ def asked(form, state, reach, ended=None):
     ended : float, norm of F where a solve of the form ended, or None: where the response of that
         leads to the same norm at the state it is not made again
     """
-    grid = form.grid
+    plain, displacement = getattr(form, "half", form), form.nodal(state)
     if form.kernel:
-        told = form.nodal(state), state.means[form.forced], reach
+        told = displacement, state.means[form.forced], reach
         if ended is not None and form.kernel.answers():
             found = form.kernel.imbalance(*told, True)
-            if abs(found[0] - ended) <= ALIKE * ended:
+            if _of_one_unknown(plain, displacement, found[0], ended):
                 return found
         return form.kernel.imbalance(*told)
-    plain, displacement = getattr(form, "half", form), form.nodal(state)
     acts, (made, rows) = displacement[0] + plain.initial_gap < reach, plain.pulled
-    if ended is not None and made == grid.counter.made:
+    if ended is not None and made == form.grid.counter.made:
         found = _imbalance(plain, displacement, rows, acts)
-        if abs(found[0] - ended) <= ALIKE * ended:
+        if _of_one_unknown(plain, displacement, found[0], ended):
             return found
     np.copyto(plain.work, displacement)
     plain.work[0] += plain.initial_gap
     return _imbalance(plain, displacement, plain.pull(state.means[form.forced]), acts)
+
+
+def _of_one_unknown(form, displacement, norm, ended):
+    """Whether two norms of F are of one unknown: they differ by little, or by what rounding leaves
+    of displacements of this size.
+
+    Parameters
+    ----------
+    form : DisplacementForm
+    displacement : array (components, nodes), ranges of the law
+    norm, ended : floats
+    """
+    apart = abs(norm - ended)
+    if apart <= ALIKE * ended:
+        return True
+    size = math.sqrt(np.sum(form.grid.sum(np.square(displacement)))) / form.root
+    return apart <= DIGITS * np.finfo(float).eps * size
 
 
 def _imbalance(form, displacement, rows, acts):
