@@ -67,8 +67,8 @@ def _residual():
     corrector.create_snes = loose
     point = corrector.Corrector._point
 
-    def told(self, form, state, imbalance, iterations):
-        return point(self, form, state, imbalance._replace(norm=1e-9, largest=1e-9), iterations)
+    def told(self, form, state, imbalance, *rest):
+        return point(self, form, state, imbalance._replace(norm=1e-9, largest=1e-9), *rest)
 
     corrector.Corrector._point = told
 
