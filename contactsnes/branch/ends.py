@@ -89,7 +89,8 @@ class Ends:
         pulled = leg.controls[0] == FORCE and leg.direction[0] < 0.0 and not point.in_contact
         away = pulled and self.contact.grid.minimum(
             states.normal_gap(self.contact, point.state)) > self.contact.law.range
-        return "nothing holds a body that is pulled out of the law's range" if away else ""
+        return ("nothing holds a body that is pulled out of the law's range; a leg before this one "
+                "that presses brings it into contact") if away else ""
 
     def end_of_attraction(self, point, leg, position):
         """The fold, at its position, of a body that a growing force moves off the flat or where
