@@ -109,8 +109,8 @@ class Slab(Window):
     def own(self, part):
         """A part of the box, slices, as far as it is here, and the same in what is here."""
         rows, (first, count) = part[0], (self.rows.first, self.rows.count)
-        begin, end = max(rows.start, first), min(rows.stop, first + count)
-        end = max(begin, end)
+        begin = min(max(rows.start, first), first + count)
+        end = max(begin, min(rows.stop, first + count))
         return (slice(begin, end), part[1]), (slice(begin - first, end - first), part[1])
 
     def divided(self, part):

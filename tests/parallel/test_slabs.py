@@ -17,6 +17,7 @@ from contactsnes.grid.spots import corrected_count, labelled, sizes
 from contactsnes.grid import slabs, transfer
 from contactsnes.grid.transfer import refined, resampled, smooth
 from contactsnes.interface.gap import is_convex
+from contactsnes.kernels.choice import chosen as kernels_chosen
 from contactsnes.solvers.core_blocks import Core, CoreBlock, PatchedBlock, on_part
 
 shape, periods = (46, 32), (5.0, 4.0)
@@ -71,6 +72,17 @@ alike("corrected", lambda grid, part: corrected_count(part(mask), grid))
 assert sizes(labelled(mask)).size > 3
 alike("smooth", lambda grid, part: smooth(grid.whole, part(mask).reshape(-1), 0.3).reshape(
     grid.local_shape))
+# of a mask in few rows, which others have, too, by either's kernels
+for row in (3, 12, 23, 31, 42):
+    spot = np.zeros(shape, dtype=bool)
+    spot[row:row + 2, 9:14] = True
+    for kernels in (kernels_chosen(True), kernels_chosen(False)):
+        def blurred(grid, part):
+            where, found = kernels.blurred(grid.whole, part(spot).reshape(-1), 0.15)
+            around = np.zeros(grid.local_shape)
+            around[grid.whole.own(where)[1]] = found
+            return around
+        alike(f"blurred at row {row}", blurred)
 alike("area", lambda grid, part: grid.whole.area_below(part(cell[0]).reshape(-1), 0.3))
 # what one process has of squares to be divided is dealt out, in its order; what is even stays
 squares, rank, size = random.normal(size=(7, 4, 4)), shared.comm.rank, shared.comm.size
