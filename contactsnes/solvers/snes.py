@@ -160,13 +160,15 @@ def ended_early(snes):
 def solve(snes, form, unknown):
     """Run a SNES of a form from an unknown, an array, which the solution overwrites.
 
-    The Vec of its last solve is put on it, but of large ones: an array stays with that as well.
+    The Vec of its last solve is put on it, but of large ones: an array stays with that as well; nor
+    of those that processes share out, who make Vecs together, whatever their own part's size.
 
     Parameters
     ----------
     snes, form, unknown : SNES, form, array of the form's size
     """
-    solution = snes.getSolution() if form.size < LARGE else None
+    small = form.size < LARGE and not form.grid.shared
+    solution = snes.getSolution() if small else None
     again = bool(solution)
     if again:
         solution.placeArray(unknown)

@@ -2,7 +2,7 @@
 are the library's, and those of one process."""
 
 import pytest
-from ranks import SIZES, found, together
+from ranks import SIZES, found, say, together
 
 from contactsnes.kernels import library
 
@@ -72,3 +72,26 @@ def test_iterations_in_single_precision_are_the_librarys(size, tmp_path):
         alone, other = ([sum(numbers) for numbers in zip(*each)][:2] for each in (points, shared))
         assert alone == pytest.approx(other, rel=0.1, abs=2.0), name
     assert more["taken over"][1] > more["two grids"][1]
+
+
+UNEVEN = """
+import petsc4py
+petsc4py.init()
+from petsc4py import PETSc
+from contactsnes import Branch, Form, Load, Scene, Steps
+from contactsnes.solvers import snes
+
+snes.LARGE = 300  # nodes, that some processes have and others have not
+branch = Branch(Scene(dimension=2, points=64, period=20.0, normal_maugis=2.0, geometry="sphere"),
+                Load("normal_displacement=0", "normal_displacement=0.2"),
+                Steps(initial_step=0.1, largest_step=0.1), Form(symmetry="off"))
+points = list(branch)
+sizes = PETSc.COMM_WORLD.tompi4py().allgather(points[-1].state.window.size)
+assert len(points) == 3 and min(sizes) < snes.LARGE < max(sizes), sizes
+print("alike")
+"""
+
+
+@together
+def test_processes_with_few_nodes_and_with_many_make_vectors_together(tmp_path):
+    say(3, UNEVEN, tmp_path)
