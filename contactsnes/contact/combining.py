@@ -22,9 +22,9 @@ def combined(contact, states, weights):
 
 
 def without_overlap(contact, nodes, known, weights):
-    """Weighted sum of displacements (components, nodes), without normal gaps far below those of the
-    last ones: where an extrapolation leads into deep overlap, it would meet the exponential. And
-    the least gap.
+    """Weighted sum of displacements (components, nodes), without normal gaps below a floor, one
+    range below those of the last ones: where an extrapolation leads into deep overlap, it would
+    meet the exponential. And that floor.
 
     Parameters
     ----------

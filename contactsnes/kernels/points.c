@@ -351,10 +351,10 @@ CLONES static void count_nodes(const Ways *restrict w, const double *restrict we
     for (long i = 0; i < 9; i++) sums[i] += found[i];
 }
 
-/* Of states foretold, where a step ended and where it began: farthest beyond what is allowed; largest way where the law acts; nodes held at first, and those
-   of them that open; the same of the last ones; nodes in contact that pass through sticking; nodes where the
-   law acts at the end or was foretold to, and squares of how far these ended from there; where it acts at
-   either end, and squares of the way of these. */
+/* Of states foretold, where a step ended and where it began: farthest beyond what is allowed; largest way
+   where the law acts; nodes held at first, and those of them that open; the same of the last ones; nodes in
+   contact that pass through sticking; nodes where the law acts at the end or was foretold to, and squares of
+   how far these ended from there; where it acts at either end, and squares of the way of these. */
 void strays(const Site *site, long m, const double *const *known, const Limits *l, double *numbers)
 {
     const long nodes = site->nodes;
