@@ -10,6 +10,7 @@ from contactsnes.grid.active import Nodes
 from contactsnes.grid.boxes import Spots
 from contactsnes.grid.cell import Grid
 from contactsnes.grid.nearest import nearest
+from contactsnes.grid.slab_nodes import _nearest_numbers
 
 GRID = Grid((24, 20), (6.0, 5.0))
 
@@ -70,3 +71,19 @@ def test_what_is_kept_goes_with_its_windows():
     del source
     gc.collect()
     assert some(0.3, 7) not in room._known
+
+
+@pytest.mark.parametrize("columns", [1, 2, 15, 16, 64, 65])
+@pytest.mark.parametrize("part", [0.005, 0.05, 0.5])
+def test_nearest_nodes_of_rows_may_lie_around_the_border(columns, part):
+    known = np.random.default_rng(columns).random((7, columns)) < part
+    known[3, -1] = True
+    asked = np.flatnonzero(~known)
+    found = _nearest_numbers(known, asked)
+    assert known.reshape(-1)[found].all()
+    row, column = np.divmod(asked, columns)
+    nodes = np.argwhere(known)
+    away = [abs(nodes[:, axis] - at[:, None]) for axis, at in enumerate((row, column))]
+    least = (away[0] ** 2 + np.minimum(away[1], columns - away[1]) ** 2).min(axis=1)
+    away = [abs(to - at) for to, at in zip(np.divmod(found, columns), (row, column))]
+    np.testing.assert_array_equal(away[0] ** 2 + np.minimum(away[1], columns - away[1]) ** 2, least)
