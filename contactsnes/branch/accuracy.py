@@ -51,12 +51,14 @@ class Errors(NamedTuple):
 
     normal_force : of the force, or of the normal displacement where the force is controlled
     contact_area, slip : of the length or area in contact, and of the mean tangential displacement
+    tangential_force : of the force, or of the tangential displacement where the force is controlled
     trusted : whether the estimates hold; the others are nan where there is nothing to go by
     """
 
     normal_force: float = np.nan
     contact_area: float = np.nan
     slip: float = np.nan
+    tangential_force: float = np.nan
     trusted: bool = False
 
     def largest(self):
@@ -126,7 +128,7 @@ class Estimator:
                   for value, better, least in zip(values, finer, self._least(point))]
         resolved = max(resolution(self.contact.scene, len(point.controls) > 1)) <= PINNING
         near = states.missed(system.contact, guess, exact.state) < ASTRAY
-        errors[2] *= len(point.controls) > 1
+        errors[2:] = [error * (len(point.controls) > 1) for error in errors[2:]]
         return Errors(*map(float, errors),
                       bool(resolved and near and self._decays(exact, system.contact)))
 
@@ -152,9 +154,13 @@ class Estimator:
     def _least(self, point):
         """Below which size of a value an error is absolute: one, or what is large for the cell."""
         area = self.contact.grid.area
-        force = (1.0 if point.controls[0] == FORCE
-                 else min(1.0, self.contact.law.normal_peak * self.contact.ranges[0] * area))
-        return force, min(1.0, area), 1.0
+        law, ranges = self.contact.law, self.contact.ranges
+        # what is named a force is the displacement where that is not controlled
+        normal, tangential = (
+            1.0 if FORCE in controls else min(1.0, peak * scale * area) for controls, peak, scale
+            in ((point.controls[:1], law.normal_peak, ranges[0]),
+                (point.controls[1:], law.tangential_peak, ranges[-1])))
+        return normal, min(1.0, area), 1.0, tangential
 
     def _decays(self, point, contact):
         """Whether the spectrum of the traction goes on to fall beyond the shortest waves of the
@@ -180,16 +186,18 @@ def _waves(amplitudes):
 
 
 def _values_at(point, measurement, area):
-    """Force or the displacement that it belongs to, contact area, and mean slip (all its
-    components).
+    """Normal force or the displacement that it belongs to, contact area, mean slip, and the
+    tangential force or the displacement that it belongs to (all components of both).
 
     Around an isolated contact displacements are means over its cell, which even a half-plane has.
     """
     if measurement.contact.isolated:
         means = point.state.means / measurement.contact.ranges[:measurement.components]
-        return means[0], area, means[1:] if means.size > 1 else [0.0]
-    normal = point.displacements[0] if point.controls[0] == FORCE else point.forces[0]
-    return normal, area, [measurement.mean(i) for i in range(1, measurement.components)] or [0.0]
+        return means[0], area, *2 * (means[1:] if means.size > 1 else [0.0],)
+    normal, *tangential = (displacement if control == FORCE else force for control, displacement,
+                           force in zip(point.controls, point.displacements, point.forces))
+    slip = [measurement.mean(i) for i in range(1, measurement.components)]
+    return normal, area, slip or [0.0], tangential or [0.0]
 
 
 def refinement(contact, point):
@@ -231,7 +239,9 @@ class Watch:
         self.log = progress.log
         self.estimator = Estimator(branch.contact, branch.corrector.settings)
         about = {"normal_force": "force (of the displacement, where the force is controlled)",
-                 "contact_area": "contact area", "slip": "mean slip"}
+                 "contact_area": "contact area", "slip": "mean slip",
+                 "tangential_force": "tangential force (of the displacement, where the force is "
+                                     "controlled)"}
         self.columns = {f"error_{name}": Observable(None, f"error of the {text}", "relative")
                         for name, text in about.items()}
         self.columns["error_trusted"] = Observable(None, "whether the errors hold (1, 0)", "", "i8")
@@ -252,7 +262,7 @@ class Watch:
         self.points += 1
         self.doubtful += not errors.trusted
         self.largest = max(self.largest, errors.largest())
-        return dict(zip(self.columns, [*errors[:3], int(errors.trusted)]))
+        return dict(zip(self.columns, [*errors[:-1], int(errors.trusted)]))
 
     def _too_large(self, point, error):
         """Raise TooCoarse if another grid may help against an error; else count it, and tell of the

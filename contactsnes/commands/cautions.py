@@ -1,7 +1,7 @@
 """What speaks against a scene before it is solved, in sentences: a grid that is too coarse, more
 processes than it has rows, a displacement that is out of reach, a cell at whose edge the law acts,
-heights that step at the seam of theirs, are in another unit or on a map of another size than
-given."""
+a layer thinner than the spacing, heights that step at the seam of theirs, are in another unit or on
+a map of another size than given."""
 
 import math
 
@@ -19,6 +19,11 @@ MANY = 10_000
 """Steps of a leg beyond which they are hardly meant."""
 OFF = 0.02
 """Part of a size by which that which a file tells may miss the one that is given."""
+HALF_SPACE = 0.97
+"""Tangential compliance for the shortest waves of a grid, over that of a half-space, below which
+the layer is thin for it: about the spacing high."""
+SHORTER = 1e3
+"""How much shorter waves are that meet a half-space."""
 BENT = 0.01
 """Attraction at the edge of the cell, over the law's peak, from which on its bend there is told."""
 
@@ -29,6 +34,7 @@ def cautions(settings, contact):
     sentence = resolution.resolution_warning(settings.scene, sheared)
     return (*((sentence,) if sentence else ()), *_idle(contact.grid),
             *of_surface(settings.scene, contact.grid), *_bend(settings.load, contact),
+            *_thin(settings.load, contact),
             *_depth(settings.load, contact),
             *_many_steps(settings.scene, settings.load, settings.steps))
 
@@ -62,6 +68,25 @@ def _bend(load, contact):
                f"attracts by up to {part:.2g} of its peak: errors fall as the square of the "
                "spacing there, and no mark of points tells of them; -archive_errors estimates "
                "them, a longer -scene_period is without them")
+
+
+def _thin(load, contact):
+    """A sentence on a sheared layer thinner than the spacing: what deforms at each place for itself
+    leaves the law's corner in the traction, so that sums over nodes err by the square of the
+    spacing."""
+    scene, corners = contact.scene, contact.law.gap_corners
+    ratios = resolution.resolution(scene, True)
+    if not (corners and max(ratios) and any(scenes.loaded_legs(scene, load))):
+        return
+    spacing = max(each for each, ratio in zip(scene.spacings, ratios) if ratio)
+    waves, body = math.pi / spacing * np.array([1.0, SHORTER]), contact.body
+    short, shorter = waves * (body.surface(waves).longitudinal - body.local_compliance[1])
+    if short < HALF_SPACE * shorter:
+        yield (f"the layer is thinner than the spacing, {scene.short(spacing, 'beta')}, and leaves "
+               "the corner of the law, where an overlap ends, in the traction: under shear the "
+               "tangential force errs by the square of the spacing, by up to a hundredth, and no "
+               "mark of points tells of it; -archive_errors estimates it (error_tangential_force), "
+               "half the spacing leaves a quarter")
 
 
 def _depth(load, contact):

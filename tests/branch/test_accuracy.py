@@ -32,7 +32,7 @@ PRESS = Load(path="normal_displacement=1")
 
 def errors_against(scene, load, ratio, steps=Steps()):
     """Estimates and errors against a grid finer by a ratio, of force (or displacement), area and
-    slip: array (points, 2, 3)."""
+    slip, and of the tangential force (or displacement): array (points, 2, 4)."""
     branch = Branch(scene, load, steps)
     estimator = accuracy.Estimator(branch.contact)
     finer = accuracy.finer_contact(branch.contact, ratio)
@@ -46,10 +46,12 @@ def errors_against(scene, load, ratio, steps=Steps()):
         numbers = []
         for contact, its in ((branch.contact, point), (finer, better)):
             measurement = Measurement(contact, its)
-            normal = its.displacements if its.controls[0] == "force" else its.forces
-            numbers.append(np.array([normal[0], measurement.contact_area(), measurement.mean(1)]))
+            conjugate = [displacement if control == "force" else force for control, displacement,
+                         force in zip(its.controls, its.displacements, its.forces)]
+            numbers.append(np.array([conjugate[0], measurement.contact_area(), measurement.mean(1),
+                                     conjugate[1] if conjugate[1:] else 0.0]))
         estimate = estimator(point)
-        found.append([estimate[:3], abs(numbers[0] - numbers[1]) / np.maximum(abs(numbers[0]),
+        found.append([estimate[:4], abs(numbers[0] - numbers[1]) / np.maximum(abs(numbers[0]),
                                                                               1.0)])
         trusted.append(estimate.trusted)
         branch.corrector.account()
@@ -77,6 +79,20 @@ def test_estimates_of_sheared_paths_are_within_a_factor_three(friction):
                                                 path="tangential_displacement=3"), 8)
     assert len(found) > 15 and trusted.all()
     assert np.mean(honest(found)) >= 0.95
+
+
+def test_estimates_tell_of_the_force_that_holds_a_thin_layer_back():
+    """It is that of the top less the mean slip, nearly alike: the error of the slip says nothing of
+    it. A layer thinner than the spacing leaves the corner of the law in the traction."""
+    scene = Scene(points=256, residual_friction=0.5, height=0.03, poisson=0.3,
+                  **{**LINE, "normal_maugis": 3.0})
+    for path in ("normal_force=5; tangential_displacement=0.3",
+                 "normal_force=5; tangential_force=0.8"):
+        found, trusted = errors_against(scene, Load(start="normal_displacement=0.3", path=path), 8)
+        slip, tangential = found[-5:, 0, 2], found[-5:, 0, 3]
+        assert trusted[-5:].all() and honest(found[:, :, 3:]).mean() >= 0.9
+        if "tangential_d" in path:
+            assert (tangential > 1e-5).all() and (tangential > 10.0 * slip).all()
 
 
 def test_estimates_on_an_interface_of_two_dimensions():

@@ -1,5 +1,5 @@
 """What speaks against a scene before it is solved: displacements that are out of reach, cells at
-whose edge the law acts."""
+whose edge the law acts, layers thinner than the spacing."""
 
 from types import SimpleNamespace
 
@@ -88,3 +88,31 @@ def test_where_the_law_acts_at_the_edge_of_the_cell_it_is_told(period, order):
     gap = 1.5 * (period ** 2 / 8 - 1.2)
     (sentence,) = sentences
     assert f"up to {gap * np.exp(1 - gap):.2g} of its peak" in sentence
+
+
+THIN = dict(points=256, period=20.0, normal_maugis=3.0, poisson=0.3)
+
+
+@pytest.mark.parametrize("changed, way, error", [
+    ({"height": 0.03}, 0.3, (5e-5, 1e-2)), ({"height": 10.0}, 2.0, (0.0, 2e-5)),
+    ({"height": 0.03, "law": "mcgarry"}, 0.3, (0.0, 1e-8))])
+def test_a_sheared_layer_thinner_than_the_spacing_is_told(changed, way, error):
+    """The tangential force against a grid four times finer: what lies between the corner of the law
+    and the traction is the body."""
+    load = {"path": f"normal_force=5; tangential_displacement={way}"}
+    forces = [list(Branch(Scene(**{**THIN, **changed, "points": points}),
+                          Load(**load)))[-1].forces[1] for points in (256, 1024)]
+    assert error[0] <= abs(forces[0] / forces[1] - 1.0) <= error[1]
+    sentences = told(Scene(**THIN, **changed), "thinner than the spacing", **load)
+    assert len(sentences) == (error[0] > 0.0)
+    assert all("spacing, 0.07812 beta" in sentence for sentence in sentences)
+
+
+def test_thin_layers_without_shear_or_edge_and_coatings_are_not_told():
+    thin = Scene(**THIN, height=0.03)
+    assert not told(thin, "thinner than the spacing", path="normal_force=5")
+    shear = {"path": "normal_force=1; tangential_displacement=0.1"}
+    assert told(thin, "thinner than the spacing", **shear)
+    for changed in ({"geometry": "flat", "height": 0.03},
+                    {"body": "coated", "coating_normal": 0.3, "coating_tangential": 0.3}):
+        assert not told(Scene(**THIN, **changed), "thinner than the spacing", **shear)

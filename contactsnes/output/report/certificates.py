@@ -52,7 +52,8 @@ def _errors(record):
     """Estimates of errors, where they were asked for."""
     return [[f"largest {name.replace('_', ' ')}, relative",
              number(float(np.nanmax(record[name], initial=0.0)), 2), True]
-            for name in ("error_normal_force", "error_contact_area", "error_slip")
+            for name in ("error_normal_force", "error_contact_area", "error_slip",
+                         "error_tangential_force")
             if name in record]
 
 
