@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 
-from ..interface import laws
+from ..interface import bodies, laws, shapes
 from ..options.fields import InputError, as_text
 from .load import names, quantities
 
@@ -31,8 +31,8 @@ def check(scene, load, sheared):
     for what, component, control, value, unit in _controlled(scene, load):
         if control == "displacement":
             _check_length(scene, what, value, unit, component)
-        elif component == 0 and not scene.isolated:
-            _check_force(scene, what, value, unit)
+        elif component == 0:
+            (_check_alone if scene.isolated else _check_force)(scene, what, value, unit)
 
 
 def check_depth(scene, load, gap, compliance):
@@ -110,6 +110,30 @@ def _check_force(scene, what, value, unit):
         raise InputError(f"{what}: allowed is at most {scene.short(most, unit, 2)}, what the law "
                          f"bears at a gap of {laws.of(scene).deepest:g} ranges everywhere; try a "
                          "smaller one, and see whether it is in the unit of the scene")
+
+
+def _check_alone(scene, what, value, unit):
+    """InputError for a normal force on an isolated contact that presses the half-space, by which
+    its grid is laid out, deeper than the last digits of its displacements allow, or, without a
+    coating, harder than the law bears; parameters as of `_check_length`.
+
+    Hertz's contact of half-width a under a parabola of curvature c is c a^2/2 deep at the apex
+    below its rim, and bears pi c a^2/4 on a line, 4 c a^3/3 in the plane; its largest pressure is
+    c a/2, and 2 c a/pi.
+    """
+    line, curvature = scene.dimension == 1, shapes.of(scene).parabola[scene.dimension]
+    limits = [(math.sqrt(2.0 * FARTHEST / (scene.normal_maugis * curvature)),
+               "beyond which rounding leaves too little of the law's range")]
+    pressure = scene.normal_maugis * _largest_pressure(scene)
+    if pressure > 0.0 and not any(bodies.of(scene).local_compliance):
+        limits.append(((2.0 if line else math.pi / 2.0) * pressure / curvature,
+                       f"what the law bears at a gap of {laws.of(scene).deepest:g} ranges"))
+    width, why = min(limits)
+    most = curvature * width ** 2 * (math.pi / 4.0 if line else 4.0 * width / 3.0)
+    if value > most:
+        raise InputError(f"{what}: allowed is at most {scene.short(most, unit, 2)} on an isolated "
+                         f"half-space, {why}; try a smaller one, and see whether it is in the "
+                         "unit of the scene")
 
 
 def _largest_pressure(scene):

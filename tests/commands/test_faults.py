@@ -28,6 +28,7 @@ from contactsnes.output.archive import Archive
 from contactsnes.output.files import ArchiveError
 from contactsnes.output.layout import Column
 from contactsnes.output.reading import read
+from contactsnes.scene import digits
 from contactsnes.scene.load import Load
 from contactsnes.scene.settings import OPTION_CLASSES, Form, Scene
 from contactsnes.system import devices, processes, streams
@@ -478,8 +479,8 @@ def test_what_crashes_or_does_not_end_is_told():
                                                 (dict(period=math.inf, spacing=1e-9),
                                                  dict(path="normal_force=1"),
                                                  "-scene_spacing is '1e-09'"),
-                                                (dict(period=math.inf),
-                                                 dict(path="normal_force=1e30"),
+                                                (dict(period=math.inf, normal_maugis=1e3),
+                                                 dict(path="normal_force=7e6"),
                                                  "-scene_spacing is not set"),
                                                 (dict(geometry="rough", rough_slope=1.0,
                                                       rough_shortest=1e-9, points=2 ** 40,
@@ -557,6 +558,11 @@ def test_numbers_beyond_computing_are_refused_with_the_option():
      "-load_start has normal_displacement=3.1: allowed is at most 3 u_n,r"),
     ({"geometry": "flat", "poisson": 0.3}, {"path": "normal_displacement=1e18"}, "allowed"),
     ({}, {"path": "normal_force=1e29"}, "-load_path has normal_force=1e+29: allowed is at most"),
+    # pi a^2/4 and 4 a^3/3, with a^2/2 of 4.5e9 ranges
+    ({"period": np.inf, "points": None}, {"path": "normal_force=7.2e8"}, "at most 7.1e+08 w_n,r"),
+    ({"period": np.inf, "points": None}, {"path": "normal_force=1e30"}, "at most 7.1e+08 w_n,r"),
+    ({"period": np.inf, "points": None, "dimension": 2, "geometry": "sphere", "normal_maugis": 1.0},
+     {"start": "normal_force=1.2e15", "path": "normal_force=1"}, "at most 1.1e+15 R phi_n"),
     ({"dimension": 2, "geometry": "sphere", "points": 32},
      {"path": "tangential_displacement_y=1e20"}, "-load_path has tangential_displacement_y=")])
 def test_numbers_that_rounding_leaves_no_range_of_are_refused(scene, load, words):
@@ -573,6 +579,25 @@ def test_numbers_that_rounding_leaves_no_range_of_are_told_in_the_units_of_the_s
                                  ({}, "normal_displacement=1e9", r"up to 4\.5e\+02 m")):
         with pytest.raises(InputError, match=words):
             Branch(Scene.typed(**{**si, **changes}), Load(path=path))
+
+
+def test_an_isolated_contact_bears_what_its_law_bears_below_the_apex(tmp_path):
+    """Hertz: pi p^2 for a largest pressure p, lambda_n 2 e^2; on a sphere 4/3 (pi p/2)^3. A coating
+    takes some of it."""
+    (tmp_path / "shallow.py").write_text(
+        "from contactsnes.interface.laws.modified import Modified\n\n\n"
+        "class Shallow(Modified):\n    deepest = -2.0\n")
+    given = {"period": np.inf, "normal_maugis": 3.0, "law": f"{tmp_path / 'shallow.py'}:Shallow"}
+    pressure = 3.0 * 2.0 * math.exp(2.0)
+    for shape, most in (({}, math.pi * pressure ** 2),
+                        ({"dimension": 2, "geometry": "sphere"},
+                         4.0 / 3.0 * (math.pi * pressure / 2.0) ** 3)):
+        scene = Scene(**given, **shape)
+        digits.check(scene, Load(path=f"normal_force={0.99 * most}"), False)
+        with pytest.raises(InputError, match="what the law bears at a gap of -2 ranges; try"):
+            digits.check(scene, Load(path=f"normal_force={1.01 * most}"), False)
+        coated = Scene(**given, **shape, body="coated", coating_normal=0.1)
+        digits.check(coated, Load(path=f"normal_force={1.01 * most}"), False)
 
 
 def test_what_no_unknown_feels_and_what_is_large_but_known_is_computed_with():
