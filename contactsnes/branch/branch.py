@@ -98,7 +98,7 @@ class Branch:
         self.legs = scene.legs(load)
         self._controls = controls_along(scene.initial(load), self.legs)
         self.history, self.first = history, restarting.beside(first, self.contact)
-        self._remarks, self._predictor = None, PREDICTORS[self.steps.predictor]
+        self._predictor = PREDICTORS[self.steps.predictor]
 
     @classmethod
     def restart(cls, archive, path, point=-1, *, stop="none", **options):
@@ -149,7 +149,10 @@ class Branch:
         return found | sources(self.scene)
 
     def __iter__(self):
-        makers = [lambda points, number=number: self._leg(number, points)
+        last = self.history[-1] if self.history else None
+        remarks = Remarks(self.corrector, self.stability is not None,
+                          has_modes(self.corrector.settings), self._log, last)
+        makers = [lambda points, number=number: self._leg(number, points, remarks)
                   for number in range(1, len(self.legs) + 1)]
         points = path.branch(self.corrector, self._start, makers, predictor=self._predictor,
                              at_fold=self.steps.at_fold, stops=self.load.stops,
@@ -159,21 +162,18 @@ class Branch:
                              stepper=steppers.stepper(self.steps, self.scene.dimension == 1
                                                       or self.contact.convex))
         works = energies.PathEnergies(self.contact, self.history)
-        last, self._under_way = self.history[-1] if self.history else None, None
-        self._remarks = Remarks(self.corrector, self.stability is not None,
-                                has_modes(self.corrector.settings), self._log, last)
         grid = failures.Resolution(self.contact, self._log, last)
         try:
             for point in map(grid.marked, map(works.completed, points)):
-                yield self._remarks.marked(point).sealed()
+                yield remarks.marked(point).sealed()
         except NotConverged as error:
-            raise failures.explained(error, self.contact, any(self._sheared), self._modes,
-                                     self._remarks.last, self._under_way) from None
+            raise failures.explained(error, self.contact, any(self._sheared),
+                                     lambda: self._modes(remarks.last, remarks.leg), remarks.last,
+                                     remarks.leg) from None
 
-    def _modes(self):
+    def _modes(self, last, leg):
         """Modes of the last point under the controls of the leg under way; None without one, or a
         tangent."""
-        last, leg = self._remarks.last, self._under_way
         if last is None or not has_modes(self.corrector.settings):
             return None
         if leg is not None and tuple(last.controls) != leg.controls:
@@ -258,15 +258,13 @@ class Branch:
         return replace(point, spent={name: value + more[name]
                                      for name, value in point.spent.items()})
 
-    def _leg(self, number, points):
+    def _leg(self, number, points, remarks):
         """The continuation's leg from the last point, or None where nothing moves."""
         count = self.scene.components if self._sheared[number] else 1
         leg = self._leg_to(number, self.legs[number - 1].controls, count, points,
                            lambda length: self.steps.sizes(number, length))
         if leg is not None:
-            self._remarks.tell_of_reversal(leg)
-            self._remarks.tell_of_release(points[-1], leg)
-            self._under_way = leg
+            remarks.begun(leg)
         return leg
 
     def _leg_to(self, number, named, count, points, sizes):

@@ -32,6 +32,7 @@ class Remarks:
         self.certified = certified
         self.has_tangent = has_tangent
         self.last = last
+        self.leg = None
         self._log = log
         self._ways = {}
         self._diluted = False
@@ -76,7 +77,14 @@ class Remarks:
                       "in place of the force tells them apart")
         return point.changed(stable=0)
 
-    def tell_of_reversal(self, leg):
+    def begun(self, leg):
+        """Say what a leg that begins, or goes on, at the last point makes of it; from now on the
+        one under way."""
+        self._tell_of_reversal(leg)
+        self._tell_of_release(self.last, leg)
+        self.leg = leg
+
+    def _tell_of_reversal(self, leg):
         """Say once that a tangential load which turns back makes no hysteresis by itself."""
         if self._ways is None:
             return
@@ -90,7 +98,7 @@ class Remarks:
                       "folds retraces itself and shows no frictional "
                       "hysteresis; energy is lost in jumps only")
 
-    def tell_of_release(self, last, leg):
+    def _tell_of_release(self, last, leg):
         """Say of a leg that releases a displacement and moves another one whether it begins at an
         unstable point.
 

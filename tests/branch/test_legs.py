@@ -382,3 +382,18 @@ def test_what_newtons_method_adds_to_a_motion_counts_among_its_works():
     work = straight(branch.contact, fold.state, jump.state, 60) @ weights(branch.contact, 2)
     # (a quadrature along a glide, of any length, leaves some 2e-5; that last part is 4e-4)
     assert jump.jump_work == pytest.approx(work, rel=1e-4)
+
+
+def test_iterations_of_one_branch_may_be_in_different_legs():
+    branch, alone = followed("normal_force=1; tangential_displacement=6", replace(
+        LINE, height=float("inf"), poisson=0.5), Steps())
+    ahead, behind = iter(branch), iter(branch)
+    begun = sum(point.leg < 2 for point in alone) + 1  # one is sheared when the other begins
+    found = [next(ahead) for _ in range(begun)], []
+    for _ in alone:
+        for points, iteration in zip(found, (ahead, behind)):
+            points.extend(point for point in [next(iteration, None)] if point is not None)
+    for points in found:
+        assert [point.leg for point in points] == [point.leg for point in alone]
+        np.testing.assert_allclose([point.forces[0] for point in points],
+                                   [point.forces[0] for point in alone], rtol=0, atol=1e-6)
