@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..contact.problem import DISPLACEMENT, FORCE
+from ..continuation.points import left_over
 from ..dynamics.stability import SIGN, Stability
 from .failures import released
 
@@ -86,7 +87,7 @@ class Remarks:
 
     def _tell_of_reversal(self, leg):
         """Say once that a tangential load which turns back makes no hysteresis by itself."""
-        if self._ways is None:
+        if self._ways is None or leg.left_over:
             return
         ways = {component: np.sign(way) for component, way in enumerate(leg.direction) if component
                 and way}
@@ -152,6 +153,9 @@ class Remarks:
         forced = np.array([control == FORCE for control in point.controls[:count]])
         moved = point.displacements[:count] - last.displacements
         changed = point.forces[:count] - last.forces
+        if point.leg != last.leg and forced.any() and left_over(changed[forced],
+                                                                point.forces[:count][forced]):
+            return point  # no way to go against
         # a half-plane as a whole has no displacement (nan), and does not go against anything
         if (moved[~forced] != 0.0).any() or not changed[forced] @ moved[forced] < 0.0:
             return point

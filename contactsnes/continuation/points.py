@@ -2,10 +2,14 @@
 to each other."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple, Optional
 
 import numpy as np
+
+LEFT = 1e-8
+"""Way of a load, over the load where that is above one, up to which it is what solves leave of
+their balance."""
 
 
 class NotConverged(RuntimeError):
@@ -212,9 +216,24 @@ class Leg:
         """Change of the controlled values along the whole leg."""
         return self.end - self.start
 
+    @property
+    def left_over(self):
+        """Whether all that it moves is what solves leave, as of the force of a displacement that
+        was held at nothing."""
+        return left_over(self.direction, self.end)
+
+    def in_few(self):
+        """The leg, in one step where that is all that it moves."""
+        return replace(self, initial=1.0, largest=1.0) if self.left_over else self
+
     def load(self, position):
         """Controlled values at a place of the leg, exact at its end."""
         return self.end.copy() if position == 1.0 else self.start + position * self.direction
+
+
+def left_over(way, load):
+    """Whether a way to a load is in each component no longer than what solves leave."""
+    return bool(np.all(np.abs(way) <= LEFT * np.maximum(1.0, np.abs(load))))
 
 
 def lagrange_weights(nodes, target):

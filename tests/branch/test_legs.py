@@ -397,3 +397,19 @@ def test_iterations_of_one_branch_may_be_in_different_legs():
         assert [point.leg for point in points] == [point.leg for point in alone]
         np.testing.assert_allclose([point.forces[0] for point in points],
                                    [point.forces[0] for point in alone], rtol=0, atol=1e-6)
+
+
+def test_a_force_that_solves_leave_is_taken_to_nothing_in_one_step_and_turns_no_load_back():
+    """A transverse displacement that was held leaves a force of 1e-10 or so, of either sign, which
+    was taken for a load: 21 points, a branch that is unstable, and a load that turns back."""
+    for end in (-0.01, 0.01):
+        said = []
+        path = ("normal_force=1; tangential_force_x=0.1; tangential_force_y=0; "
+                f"tangential_force_y={end}")
+        _, points = followed(path, PLANE, Steps(), log=said.append)
+        last = [point for point in points if point.leg < 4][-1]
+        assert sum(point.leg == 3 for point in points) <= 1
+        assert last.forces[2] == 0.0 and points[-1].forces[2] == end
+        assert not [sentence for sentence in said if "load back" in sentence
+                    or "unstable" in sentence]
+        assert all(point.stable for point in points)
