@@ -318,8 +318,8 @@ def test_a_first_step_along_the_arc_passes_no_fold():
 
 def test_nothing_infinite_is_followed():
     branch, points, _ = followed(SOFT, "normal_displacement=0", "normal_displacement=-0.2")
-    steps = ArcLengthSteps(branch.corrector, branch._leg(1, points[:1]), [(0.0, points[0])],
-                           PREDICTORS["edge"], "trace")
+    leg = Leg(1, ("displacement",), np.zeros(1), np.array([-0.2]), 0, 1 / 40, 1 / 20, 1e-6)
+    steps = ArcLengthSteps(branch.corrector, leg, [(0.0, points[0])], PREDICTORS["edge"], "trace")
     steps.history = [(0.5, replace(point, position=0.5)) for point in points[:2]]
     assert np.isfinite(steps._pace ** 2)
     lost = replace(points[1].state, displacement=np.full_like(points[1].state.displacement, np.inf))
