@@ -66,7 +66,9 @@ MEASURED = {
 TOLD = re.compile(r"cost, about: (\d+) points, (\S+) MB of memory, (\S+) (kB|MB) of disk")
 
 
-@pytest.mark.parametrize("name", MEASURED)
+@pytest.mark.parametrize("name", [
+    pytest.param(name, marks=pytest.mark.study if name in ("pressed", "sphere") else ())
+    for name in MEASURED])
 def test_points_and_disk_are_told_within_a_factor_of_two(tmp_path, name):
     """Memory and time are of the machine: scripts/costs."""
     words = [*MEASURED[name].split(), "-archive_file", "run.h5", "-archive_fields", "all"]

@@ -46,8 +46,8 @@ def show(tmp_path_factory):
                                           "run.gif"),
                                          (("export", "run.h5"), "run.vtkhdf"),
                                          (("plot", "run.h5"), "run-approach.png"),
-                                         (("plot", "run.h5", "-plot_format", "svg"),
-                                          "run-approach.svg"),
+                                         pytest.param(("plot", "run.h5", "-plot_format", "svg"),
+                                                      "run-approach.svg", marks=pytest.mark.study),
                                          (("plot", "run.h5", "-plot_format", "pdf"),
                                           "run-approach.pdf")))
 def test_what_was_there_stays(folder, show, words, name):

@@ -249,9 +249,9 @@ def test_a_gif_has_the_colours_of_its_pictures(tmp_path, dimension):
     """Though these share 256 of them: maps and curves within a hundredth in the mean."""
     PIL = pytest.importorskip("PIL.Image")
     path = archive(tmp_path / "run.h5", dimension)
-    asked = MovieOptions(frames=3, format="gif", width=8.0)
+    asked = MovieOptions(frames=2, format="gif", width=8.0)
     with matplotlib.rc_context({**movie.settings(""), "axes.formatter.use_mathtext": False}):
-        pictures = list(movie._scenes(read(path), asked).pictures(range(3)))
+        pictures = list(movie._scenes(read(path), asked).pictures(range(2)))
     with PIL.open(movie.write_movie(path, asked)) as film:
         for number, picture in enumerate(pictures):
             film.seek(number)

@@ -30,6 +30,8 @@ MODULES = ("h5py", "contactsnes.branch.branch", "contactsnes.branch.unread",
 """What most programs import, here or later."""
 PACKAGES = ("mpi4py",)
 SIZES = (2, 3)
+FEW = (2, pytest.param(3, marks=pytest.mark.study))
+"""Those of whole solves, whose exchanges other tests look at between three and four."""
 NEAR = {"OMPI_MCA_pml": "ob1"}
 """Variables with which Open MPI does not look for networks first, which takes a fifth of a second:
 of forks, while fresh processes begin as a user's do."""

@@ -88,7 +88,8 @@ sys.exit(main(["run", *{words!r}]))"""
 
 @together
 @pytest.mark.parametrize("fields, on, precision, small", [
-    ("all", "cell", "single", 0), ("all", "active", "double", 0),
+    ("all", "cell", "single", 0), pytest.param("all", "active", "double", 0,
+                                              marks=pytest.mark.study),
     ("last", "active", "single", 1000)])
 def test_an_archive_that_is_written_in_blocks_is_the_same(fields, on, precision, small, alone,
                                                           tmp_path):

@@ -39,7 +39,7 @@ CASES = {
                   dict(initial_step=0.2, largest_step=0.5))}
 
 if PETSc.COMM_WORLD.size > 1:  # two do a part, three the others
-    part = ("sheared layer", "few nodes")
+    part = ("sheared layer", "pull-off", "few nodes")
     CASES = {name: case for name, case in CASES.items()
              if (name in part) == (PETSc.COMM_WORLD.size == 2)}
 found = {}

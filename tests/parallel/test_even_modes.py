@@ -2,7 +2,7 @@
 and what certificates are made of."""
 
 import pytest
-from ranks import SIZES, say, together
+from ranks import FEW, say, together
 
 PARTED = """
 import numpy as np
@@ -79,6 +79,6 @@ print("alike")
 
 
 @together
-@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("size", FEW)
 def test_modes_apart_of_several_processes_are_those_of_one(size, tmp_path):
     say(size, PARTED, tmp_path)

@@ -125,7 +125,7 @@ print("alike")
 
 @together
 @pytest.mark.skipif(library.reason() is not None, reason=str(library.reason()))
-@pytest.mark.parametrize("size", (1, 2, 4))
+@pytest.mark.parametrize("size", (1, pytest.param(2, marks=pytest.mark.study), 4))
 def test_compiled_forms_of_several_processes_are_numpys_of_one(size, tmp_path):
     say(size, PROGRAM, tmp_path)
 

@@ -2,7 +2,7 @@
 are the library's, and those of one process."""
 
 import pytest
-from ranks import SIZES, found, say, together
+from ranks import FEW, found, say, together
 
 from contactsnes.kernels import library
 
@@ -57,7 +57,7 @@ if PETSc.COMM_WORLD.rank == 0:
 
 @together
 @pytest.mark.skipif(library.reason() is not None, reason=str(library.reason()))
-@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("size", FEW)
 def test_iterations_in_single_precision_are_the_librarys(size, tmp_path):
     one, more = found(1, PROGRAM, tmp_path), found(size, PROGRAM, tmp_path)
     for name, (points, in_library, _, told) in one.items():

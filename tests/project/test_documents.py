@@ -36,6 +36,9 @@ WRITERS = {
     "surfaces/page.py": "rough", "worth": "rough"}
 """Script -> page between whose marks it writes."""
 
+LONG = ("experiments", "running", "tutorial")
+"""Pages whose commands take many seconds: they are asked for info, and run as a study."""
+
 every_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 
 
@@ -141,8 +144,11 @@ def alike(line, other):
     return True
 
 
-@every_page
-def test_what_a_page_tells_to_run_runs(page, tmp_path):
+@pytest.mark.parametrize("page, solved", [
+    *(pytest.param(page, page.stem not in LONG, id=page.stem) for page in PAGES),
+    *(pytest.param(DOCS / f"{name}.md", True, id=f"{name}-solved", marks=pytest.mark.study)
+      for name in LONG)])
+def test_what_a_page_tells_to_run_runs(page, solved, tmp_path):
     os.symlink(ROOT / "options", tmp_path / "options")
     found, printed = blocks(page), []
     for block in found:
@@ -151,8 +157,12 @@ def test_what_a_page_tells_to_run_runs(page, tmp_path):
             (tmp_path / name).write_text(block.text + "\n", encoding="utf-8")
     for block in found:
         if block.language == "sh":
-            printed += [run(command, block.info, tmp_path) for command in words(block.text)]
+            printed += [run(command, block.info or not solved, tmp_path)
+                        for command in words(block.text)]
     code = "\n\n".join(block.text for block in found if block.language == "python")
+    if not solved:
+        compile(code, page.name, "exec")
+        return
     if code:
         (tmp_path / "blocks.py").write_text(code, encoding="utf-8")
         printed.append(python(["blocks.py"], tmp_path))

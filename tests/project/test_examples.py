@@ -68,6 +68,7 @@ def test_friction_that_saturates_is_proportional_to_its_strength(run):
     assert strong[1, -1] == pytest.approx(2.0 * weak[1, -1], rel=1e-3)
 
 
+@pytest.mark.study
 def test_the_tutorial_finds_what_it_says(tmp_path, monkeypatch, kept_options):
     monkeypatch.setattr(sys, "argv", [str(TUTORIAL), str(tmp_path)])
     found = runpy.run_path(str(TUTORIAL))

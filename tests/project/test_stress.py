@@ -34,6 +34,7 @@ def sample(tmp_path_factory):
                                             for row in csv.DictReader(file)}
 
 
+@pytest.mark.study
 def test_sample_of_hard_cases_is_solved_by_the_default_settings(stress, sample):
     status, _, rows = sample
     assert set(rows) == set(SAMPLE)
@@ -42,16 +43,19 @@ def test_sample_of_hard_cases_is_solved_by_the_default_settings(stress, sample):
     assert status == 0
 
 
+@pytest.mark.study
 def test_end_of_branch_is_named(sample):
     row = sample[2]["cold_force:-5"]
     assert row["outcome"] == "no equilibrium" and "no equilibrium" in row["reason"]
 
 
+@pytest.mark.study
 def test_a_start_that_is_no_number_is_named(sample):
     row = sample[2]["start:nan 1"]
     assert row["outcome"] == "refused" and "NaN" in row["reason"]
 
 
+@pytest.mark.study
 def test_what_is_sound_is_not_run_again(stress, sample):
     table = sample[1] / "stress-default.csv"
     known = stress.read_table(table)
@@ -66,6 +70,7 @@ def test_what_is_sound_is_not_run_again(stress, sample):
     assert str(stress.read_table(table)) == str(known)
 
 
+@pytest.mark.study
 def test_map_is_drawn(sample):
     assert (sample[1] / "stress-default.png").stat().st_size > 10000
 

@@ -308,6 +308,8 @@ SPHERE = {"points": 96, "period": 12.0, "normal_maugis": 2.0, "dimension": 2,
 PATHS = {"normal": ("normal_displacement=1.6", {}), "force": ("normal_force=3", {}),
          "sheared": ("tangential_displacement_x=1.5", {"tangential_maugis": 1.0}),
          "arc length": ("normal_displacement=-3", {})}
+OTHERS = {("off", "normal"), ("off", "force"), ("off", "arc length")}
+"""Paths of NumPy's forms that are no other kind than the one with sliding: a study."""
 
 
 def path(kernels="auto", way="normal", symmetry="off"):
@@ -340,8 +342,9 @@ def test_lines_keep_that_of_petsc(monkeypatch):
     assert branch.corrector.snes.getKSP().getType() == "fgmres"
 
 
-@pytest.mark.parametrize("kernels", ["auto", "off"])
-@pytest.mark.parametrize("way", PATHS)
+@pytest.mark.parametrize("way, kernels", [
+    pytest.param(way, kernels, marks=pytest.mark.study if (kernels, way) in OTHERS else ())
+    for way in PATHS for kernels in ("auto", "off")])
 def test_paths_are_those_of_petsc(monkeypatch, options, kernels, way):
     monkeypatch.setattr(krylov, "LARGE", 1)
     found, told, branch = path(kernels, way)

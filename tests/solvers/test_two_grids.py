@@ -234,8 +234,9 @@ PATHS = {"pulled": (sticky(), Load("normal_displacement=0", "normal_displacement
                                Load("normal_displacement=1", "normal_force=-30"))}
 
 
-@pytest.mark.parametrize("kernels", ["auto", "off"])
-@pytest.mark.parametrize("name", PATHS)
+@pytest.mark.parametrize("name, kernels", [
+    *((name, "auto") for name in PATHS), ("pulled", "off"),
+    pytest.param("pulled by a force", "off", marks=pytest.mark.study)])
 def test_paths_are_those_of_the_zone(monkeypatch, name, kernels):
     """The same events and points, of fewer iterations."""
     scene, load = PATHS[name]
