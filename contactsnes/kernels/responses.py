@@ -60,8 +60,8 @@ def response(convolution, count, transform):
     if product is not None:
         own.product = address(product)
     if window.picked:
-        places = transform.places(window.on_circle)
-        own.picked, own.on_circle = window.size, address(places)
-        own.in_box = address(window.places)
+        places = transform.places(window.on_circle), window.places
+        own.picked = window.size
+        own.on_circle, own.in_box = map(address, places)
         product = product, places
     return own, (transform, symbols, product)

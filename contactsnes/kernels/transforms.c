@@ -183,12 +183,9 @@ int convolve(const Response *r, int transposed)
 {
     Transform *t = r->transform;
     int status;
-    if (t->multiply) {
-        if (t->packed) clear_beyond(t, r->shape); /* of others nodes are picked, and fields cleared */
-        return t->multiply(r, 0, transposed);
-    }
+    if (t->packed && !r->on_circle) clear_beyond(t, r->shape); /* fields of picked nodes have been cleared */
+    if (t->multiply) return t->multiply(r, 0, transposed);
     if (t->packed) {
-        clear_beyond(t, r->shape);
         (t->even ? folded_multiply : packed_multiply)(t, r, 0, r->shape[0], transposed);
         return counted(t) || counted(t) ? TOO_MANY : 0;
     }

@@ -274,6 +274,9 @@ CASES = {
                 dict(initial_step=0.1, largest_step=0.2)),
     "force": (SPHERE, Load("normal_displacement=2", "normal_force=-1"),
               dict(initial_step=0.3, largest_step=0.5)),
+    # of many more rows than the contact's
+    "small": (dict(SPHERE, points=96, period=30.0, normal_maugis=2.0),
+              Load("normal_displacement=1", "normal_displacement=1.05"), LARGE),
     "slid": (SPHERE, Load("normal_displacement=0.5", "tangential_displacement_x=1"),
              dict(initial_step=0.5, largest_step=0.5)),
     "sheared": (SPHERE, Load("normal_displacement=0.5", "tangential_force_y=0.3"),
@@ -290,7 +293,7 @@ CASES = {
                   dict(LARGE, at_fold="trace", stability="eigenvalue"))}
 
 if PETSc.COMM_WORLD.size > 1:  # two do a half, three the other one
-    half = ("force", "slid", "sinusoid", "stability")
+    half = ("force", "slid", "sinusoid", "small", "stability")
     CASES = {name: case for name, case in CASES.items()
              if (name in half) == (PETSc.COMM_WORLD.size == 2)}
 found = {}
@@ -389,11 +392,13 @@ def test_even_branches_take_the_steps_and_costs_of_one_process(size, alone, tmp_
         for one, other in zip(alone[case], points):
             # a spot less than a square of the grid is as wide as its depth's last digits say
             dot = {"perimeter"} if 0.0 < one["contact_area"] < (9.0 / 48) ** 2 else set()
+            # halves are on trial on all nodes, whose boxes processes transform in the whole cell
+            trial = {"transforms"} if case == "small" and other is points[0] else set()
             assert not {name: (one[name], other[name]) for name in one
-                        if name not in ROUNDED | dot and (exact or name not in SAME)
+                        if name not in ROUNDED | dot | trial and (exact or name not in SAME)
                         and differs(name, one[name], other[name])}, case
             assert not exact or all(one[name] == pytest.approx(other[name], rel=1e-12)
-                                    for name in SAME), case
+                                    for name in SAME if name not in trial), case
             assert 0.0 < other["half"] <= 0.3, case
         cost, its = (sum(point["transforms"] for point in found) for found in (points, alone[case]))
         assert exact or cost < 1.3 * its

@@ -28,12 +28,13 @@ shared = Contact(scene, kernels=chosen(True), grid=Slabs(shape, scene.periods, c
 alone = Contact(scene, kernels=chosen(False))
 masks = {"cell": np.ones(shape, dtype=bool), "nodes": random.random(shape) < 0.5,
          # of which a process has none
-         "rows": (np.arange(shape[0])[:, None] < 18) & (random.random(shape) < 0.5)}
+         "rows": (np.arange(shape[0])[:, None] < 18) & (random.random(shape) < 0.5),
+         "box": None}
 
 
 def form_of(contact, part, controls, arc):
-    window = contact.grid.whole
-    if part != "cell":
+    window = contact.grid.whole if part != "box" else contact.grid.box((17, 9), (31, 26))
+    if part in ("nodes", "rows"):
         window = some(window, np.flatnonzero(contact.grid.part_of(masks[part])))
     form = DisplacementForm(contact, window, controls)
     form.set_load([1.5, 0.3, -0.2][:len(controls)])
