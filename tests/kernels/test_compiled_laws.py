@@ -136,6 +136,15 @@ def test_a_law_of_ones_own_is_compiled_once(tmp_path, monkeypatch):
 
 
 @compiler
+def test_a_law_whose_friction_grows_with_the_overlap_is_compiled(tmp_path):
+    class Growing(LAWS["modified"]):
+        # beyond the peak numbers of 1e13 leave nothing in its slope, or their last digits
+        decoupled_in_overlap, gap_corners = False, ()
+
+    agree(Growing(), with_kernel(Growing(), tmp_path))
+
+
+@compiler
 @pytest.mark.parametrize("content", [b"", b"nonsense", None], ids=["empty", "nonsense", "cut off"])
 def test_a_broken_library_is_made_anew(content, tmp_path):
     with_kernel(Soft(), tmp_path)
