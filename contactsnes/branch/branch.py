@@ -295,4 +295,4 @@ class Branch:
         length = abs(end[moving] - start[moving]) * self.scene.scale(unit)[0]
         initial, largest, smallest = np.array(sizes(length)) / length
         self.corrector.symmetry.loaded_by(start, end)
-        return Leg(number, controls, start, end, moving, initial, largest, smallest).in_few()
+        return Leg(number, controls, start, end, moving, initial, largest, smallest).at_once()

@@ -222,7 +222,7 @@ class Leg:
         was held at nothing."""
         return left_over(self.direction, self.end)
 
-    def in_few(self):
+    def at_once(self):
         """The leg, in one step where that is all that it moves."""
         return replace(self, initial=1.0, largest=1.0) if self.left_over else self
 
