@@ -7,27 +7,24 @@ import numpy as np
 from ..contact import energies, observables
 from ..contact.observables import STIFFNESS
 from ..contact.problem import DISPLACEMENT, FORCE
-from ..contact.state import State
 from ..contact.symmetry import refuse
 from ..continuation import path, steppers
 from ..continuation.natural import NaturalSteps
-from ..continuation.points import Leg, NotConverged, Point
+from ..continuation.points import Leg, NotConverged
 from ..continuation.predictors import PREDICTORS
 from ..dynamics.overdamped import MotionOptions
 from ..dynamics.stability import SIGN, Stability, refuse_without_tangent
-from ..grid import numbers
 from ..interface import shapes
-from ..options.arguments import unpicklable
+from ..options.arguments import sealed, unpicklable
 from ..options.database import check_names, check_values
-from ..options.fields import InputError
 from ..output import resuming
 from ..scene import settings as scenes
-from ..scene.load import controls_along, names, quantities, units
+from ..scene.load import controls_along, names, quantities
 from ..scene.parts import for_branch, sources
 from ..scene.resolution import PINNING, resolution
 from ..solvers.capabilities import asked, has_modes
 from ..solvers.registry import OPTIONS
-from . import failures, first_points, restarting
+from . import failures, first_points, kept_points, restarting
 from .contacts import contact_of, refuse_unlike
 from .grid_choice import chosen
 from .remarks import Remarks, unmarked
@@ -37,14 +34,10 @@ from .tracing import Tracer
 SOLVER_OPTIONS = (*OPTIONS, MotionOptions)
 """Dataclasses of the options of our own PC and SNES types, and of motions."""
 
-KEPT = ("leg", "position", "step", "arc", "load", "displacements", "forces", "in_contact",
-        "sliding", "residual_norm", "largest_residual", "event", "fold_kind", "elastic_energy",
-        "interfacial_energy", "smooth_steps", "jump_work", "viscous_work", *energies.WORKS,
-        "stable", "unstable_modes", "leading_eigenvalue", "resolved", "fold_precision", "softest")
-"""What of a point, besides state, controls and origin, an archive keeps for going on from it."""
-
 
 @unpicklable("pickle scene, load and points, and go on with Branch(..., history=points)")
+@sealed("a branch", "make another one, Branch(scene, load, ...), which goes on from points of this "
+        "one where they lie on its path too, history=points", ("history", "_history", "first"))
 class Branch:
     """The branch of equilibria of a scene along a load path: iterate over it to get its converged
     points.
@@ -99,6 +92,7 @@ class Branch:
         self._controls = controls_along(scene.initial(load), self.legs)
         self.history, self.first = history, restarting.beside(first, self.contact)
         self._predictor = PREDICTORS[self.steps.predictor]
+        self._sealed = True
 
     @classmethod
     def restart(cls, archive, path, point=-1, *, stop="none", **options):
@@ -149,6 +143,16 @@ class Branch:
         return found | sources(self.scene)
 
     def __iter__(self):
+        points = self._points()
+        while True:
+            with self.contact.turn:
+                point = next(points, None)
+            if point is None:
+                return
+            yield point
+
+    def _points(self):
+        """The points, of which only one thread at a time asks for the next."""
         last = self.history[-1] if self.history else None
         remarks = Remarks(self.corrector, self.stability is not None,
                           has_modes(self.corrector.settings), self._log, last)
@@ -185,38 +189,25 @@ class Branch:
         names only; its ``stiffness``, which takes a linear solve, by its name only."""
         names = observables.named(names, observables.table(self.scene), STIFFNESS)
         others = [name for name in names if name != STIFFNESS]
-        found = observables.observe(self.contact, point, others)
-        return {name: found[name] if name in found else self.stiffness(point) for name in names}
+        with self.contact.turn:
+            found = observables.observe(self.contact, point, others)
+            return {name: found[name] if name in found else self.stiffness(point)
+                    for name in names}
 
     def stiffness(self, point):
         """dW/dD at a point (`Tracer.stiffness`), in the units of the scene."""
         size, _ = self.scene.scale(observables.STIFFNESS_UNITS[self.scene.dimension])
-        return size * self.corrector.stiffness(observables.point_of(self.contact, point))
+        with self.contact.turn:
+            return size * self.corrector.stiffness(observables.found_on(self.contact, point))
 
     def packed(self, point):
         """Arrays, numbers and strings from which ``restored`` makes the point again."""
-        state = observables.point_of(self.contact, point).state
-        return {**{name: getattr(point, name) for name in KEPT},
-                "event": point.event or "none",
-                "displacement": self.contact.grid.parted(state.displacement),
-                "means": state.means, **numbers.numbers_of(state.window),
-                "forced": np.array([control == FORCE for control in point.controls]),
-                "origin": point.load if point.origin is None else point.origin}
+        return kept_points.packed(self.contact, observables.found_on(self.contact, point))
 
     def restored(self, packed):
         """The point that was ``packed``; InputError for one that another version of this program
         packed."""
-        lost = [name for name in KEPT if name not in packed]
-        if lost:
-            raise InputError(f"a point to go on from says nothing of {', '.join(lost)}: it was "
-                             "kept by another version of this program; begin anew")
-        window, field = numbers.restored(self.contact.grid, packed, packed["displacement"])
-        state = State(window, np.array(field), np.array(packed["means"]))
-        controls = tuple(FORCE if forced else DISPLACEMENT for forced in packed["forced"])
-        return Point(state=state, controls=controls, origin=np.array(packed["origin"]),
-                     units=units(self.scene),
-                     **{**{name: packed[name] for name in KEPT},
-                        "event": None if packed["event"] == "none" else packed["event"]})
+        return kept_points.restored(self.contact, packed)
 
     def _start(self):
         """The first point, at -load_start: without tangential load, then in steps to the one asked

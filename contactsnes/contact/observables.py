@@ -6,6 +6,8 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import Callable, NamedTuple
 
+import numpy as np
+
 from ..continuation.points import Point
 from ..options.arguments import of_class, several
 from ..options.fields import InputError, as_text
@@ -17,6 +19,9 @@ from .measurement import Measurement
 from .problem import Contact
 
 EVENTS = ("none", "fold", "jump", "gross_sliding", "pull_off", "bifurcation")
+ASTRAY = 1e-6
+"""Force, over its size or 1 w_n,r, beyond what its solve left by which a point of a contact may
+differ from what the law bears at its displacements."""
 STIFFNESS = "stiffness"
 """The column that takes a solve."""
 STIFFNESS_UNITS = {1: "w_n,r/u_n,r", 2: "R phi_n/u_n,r"}
@@ -197,9 +202,10 @@ def observe(contact, point, names=None):
     """
     of_class("contact", contact, Contact, "an object of contactsnes.Contact, for instance the "
              "contact of a branch")
-    measurement = Measurement(contact, point_of(contact, point))
-    rows = table(contact.scene)
-    return {name: rows[name].function(measurement) for name in named(names, rows)}
+    with contact.turn:
+        measurement = Measurement(contact, found_on(contact, point))
+        rows = table(contact.scene)
+        return {name: rows[name].function(measurement) for name in named(names, rows)}
 
 
 def named(names, known, *more):
@@ -232,6 +238,27 @@ def point_of(contact, point, name="point", meant="a point of a branch"):
     name, meant : str, as of `of_class`
     """
     refuse_elsewhere(contact, of_class(name, point, Point, meant).state, name)
+    return point
+
+
+def found_on(contact, point):
+    """A point of a contact; InputError for one of another, also of the same grid: the law would
+    bear other forces at its displacements.
+
+    Parameters
+    ----------
+    contact : Contact
+    point : Point
+    """
+    state = point_of(contact, point).state
+    forces = contact.load_factor(state.components) * contact.survey(state).total
+    sizes = np.maximum(1.0, np.abs(point.forces))
+    if not np.all(np.abs(forces - point.forces) <= (ASTRAY + 2.0 * point.residual_norm) * sizes):
+        there, here = (", ".join(f"{force:.6g}" for force in each)
+                       for each in (point.forces, forces))
+        raise InputError(f"point is of another contact: its forces are {there} (scaled units), the "
+                         f"law and the gap of this one make {here} of its displacements: take the "
+                         "branch that it is of")
     return point
 
 

@@ -6,6 +6,7 @@ delta_i, so that compliances carry lambda_i lambda_j.
 
 from dataclasses import replace
 from functools import cached_property, lru_cache, partial
+from threading import RLock
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from ..interface import bodies, laws, shapes
 from ..interface.gap import gap_of_heights, is_convex, over_nodes
 from ..interface.own_shapes import gap_on
 from ..kernels.choice import chosen
-from ..options.arguments import of_class, unpicklable
+from ..options.arguments import of_class, sealed, unpicklable
 from ..scene.parts import with_parts
 from ..scene.scene import Scene, changed
 from .survey import site, surveyed, tractions
@@ -36,6 +37,8 @@ ROOM = 3.0
 
 
 @unpicklable("pickle its scene, and make another one of that, Contact(scene, ...)")
+@sealed("a contact", "make another one, Contact(scene, ...), which takes heights, a gap or a law "
+        "in place of the scene's")
 class Contact:
     """A scene on its grid: law, initial gap and body, in ranges of the law. Immutable, since much
     is made of each part.
@@ -62,6 +65,7 @@ class Contact:
     initial_gap : array over the cell, delta_n
     datum : 0 where the displacement of the body as a whole is defined, nan where it is not
     isolated : whether means are to be told as displacements of the far surface
+    turn : lock of the threads that compute with it, since they share its memory
 
     Raises
     ------
@@ -94,17 +98,8 @@ class Contact:
         self.gap_on, self.site = map(lru_cache(maxsize=4), (self._gap_on, partial(site, self)))
         for array in (self.ranges, self._signs, self.initial_gap):
             array.flags.writeable = False
+        self.turn = RLock()
         self._sealed = True
-
-    def __setattr__(self, name, value):
-        if "_sealed" in self.__dict__:
-            raise AttributeError(f"a contact is immutable, its {name} cannot be set: make another "
-                                 "one, Contact(scene, ...), which takes heights, a gap or a law in "
-                                 "place of the scene's")
-        super().__setattr__(name, value)
-
-    def __delattr__(self, name):
-        raise AttributeError(f"a contact is immutable, its {name} cannot be deleted")
 
     def _initial_gap(self, heights):
         """The initial gap over the cell, u_n,r."""

@@ -98,3 +98,28 @@ def unpicklable(instead):
         cls.__reduce_ex__ = refuse
         return cls
     return decorated
+
+
+def sealed(what, instead, but=()):
+    """A decorator of classes whose objects are as they were made, once they have ``_sealed``:
+    AttributeError where an attribute is set or deleted, also one that there is not, which would
+    change nothing.
+
+    Parameters
+    ----------
+    what : str, an object of the class
+    instead : str, what to do in place of that
+    but : names that may be set
+    """
+    def decorated(cls):
+        def setting(made, name, value):
+            if "_sealed" in vars(made) and name not in but:
+                raise AttributeError(f"{what} is immutable, its {name} cannot be set: {instead}")
+            object.__setattr__(made, name, value)
+
+        def deleting(made, name):
+            raise AttributeError(f"{what} is immutable, its {name} cannot be deleted")
+
+        cls.__setattr__, cls.__delattr__ = setting, deleting
+        return cls
+    return decorated

@@ -4,15 +4,14 @@ checks."""
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import math
 import operator
 import re
 from functools import lru_cache
-from itertools import chain
 from typing import ClassVar
 
 from .kinds import kind_of, spelled
+from .likeness import meant, nearest
 
 
 class InputError(ValueError):
@@ -53,13 +52,12 @@ WITH_UNIT = re.compile(r"[+-]?[\d.]+(e[+-]?\d+)?\s*(?!e[+-]?\d+$)[^\W\d].*", re.
 LARGEST = 1e30
 """Size up to which numbers are computed with, 1 / it the least: a few products do not overflow."""
 
-SLIP = 0.92
-"""How alike names are, by `difflib`, that a slip of the finger tells apart."""
-
 
 def computable(value):
     """Whether a number is 0, inf or nan, or of a size whose powers neither overflow nor vanish."""
-    return value == 0 or not math.isfinite(value) or 1 / LARGEST <= abs(value) <= LARGEST
+    if isinstance(value, float) and not math.isfinite(value):  # (an int may be beyond floats)
+        return True
+    return value == 0 or 1 / LARGEST <= abs(value) <= LARGEST
 
 
 def as_text(value):
@@ -102,46 +100,13 @@ def number(text, convert=float):
     return convert(text)
 
 
-def nearest(name, names, cutoff=0.4):
-    """The one of some names that a name most likely stands for, or an empty text where none is
-    like it: one that a slip of the finger tells apart, else one that has all its words, in
-    whatever order (scene_maugis: scene_normal_maugis), else one that begins with it, else the one
-    that looks most like it.
-
-    Parameters
-    ----------
-    name : str
-    names : iterable of str
-    cutoff : float, 0 to 1, how alike names have to be
-    """
-    names, words = list(names), set(name.split("_"))
-    having_all = [other for other in names if words <= set(other.split("_"))]
-    longer = [other for other in names if len(name) > 2 and other.startswith(name)]
-    return next(chain.from_iterable(
-        difflib.get_close_matches(name, among, n=1, cutoff=max(cutoff, least))
-        for among, least in ((names, SLIP), (having_all, 0.0), (longer, 0.0), (names, 0.0))), "")
-
-
-def meant(name, names, otherwise="", prefix="", cutoff=0.4):
-    """How a sentence about a name that is none ends: with the one that may be meant, or otherwise.
-
-    Parameters
-    ----------
-    name, names, cutoff : as of `nearest`
-    otherwise : str
-    prefix : str, what stands before a name where it is used
-    """
-    guess = nearest(name, names, cutoff)
-    return f": did you mean {prefix}{guess}?" if guess else otherwise
-
-
 def _single(value, rule):
     """The value in the type of its field; ValueError or TypeError where the rule forbids it."""
     kind = rule["kind"]
     if isinstance(value, str) and value == "inf" and rule["infinite"]:  # as help and files write it
         value = math.inf
     own_type = {"flag": bool, "text": str}.get(kind)
-    if not isinstance(value, own_type) if own_type else isinstance(value, (bool, str)):
+    if not isinstance(value, own_type) if own_type else isinstance(value, (bool, str, bytes)):
         raise TypeError
     value = {"flag": bool, "text": str, "integer": operator.index, "number": float}[kind](value)
     if kind == "text" and rule["choices"]:
@@ -169,6 +134,33 @@ def _advice(value, rule):
     return "" if without else f"; left out, it is {rule['default_text']}"
 
 
+def _shown(value, items, rule):
+    """A value as a sentence has it that refuses it: as it is typed, and what it is, where its text
+    would do."""
+    text = as_text(value)
+    if not text or rule["kind"] == "text":
+        return f"'{text}'"
+    if isinstance(value, (tuple, list)) and rule["many"] is None:
+        return f"'{text}', a list"
+    told = {str: "text", bytes: "bytes", float: "a number with a decimal point"}
+    for item in items:
+        kind = told.get(type(item), "")
+        if kind and _is_typed(as_text(item), rule):
+            return f"'{text}', {kind}"
+    return f"'{text}'"
+
+
+def _is_typed(text, rule):
+    """Whether an option takes a text that is typed on the command line."""
+    if rule["kind"] == "flag":
+        return text.lower() in ("true", "false", "yes", "no", "on", "off")
+    try:
+        _single(number(text, {"integer": int, "number": float}[rule["kind"]]), rule)
+    except (ValueError, TypeError, OverflowError):
+        return False
+    return True
+
+
 def checked(name, value, rule):
     """The value of option `name`, or InputError.
 
@@ -180,6 +172,7 @@ def checked(name, value, rule):
     """
     if isinstance(value, str) and (rule["also"](value) if rule["also"] else value == rule["word"]):
         return value
+    value = value.tolist() if hasattr(value, "tolist") else value  # of NumPy: as Python has it
     several = isinstance(value, (tuple, list)) and rule["many"] is not None
     if rule["many"] == "list" and isinstance(value, str):
         value, several = tuple(part.strip() for part in value.split(",")), True
@@ -187,11 +180,11 @@ def checked(name, value, rule):
         values = tuple(_single(item, rule) for item in (value if several else (value,)))
         if not values or (rule["many"] == "directions" and len(values) > 2):
             raise ValueError
-    except (ValueError, TypeError):
+    except (ValueError, TypeError, OverflowError):
         items = value if isinstance(value, (tuple, list)) else (value,)
         beyond = any(isinstance(item, (int, float)) and not computable(item) for item in items)
         measured = rule["kind"] == "number" and any(map(WITH_UNIT.fullmatch, map(as_text, items)))
-        raise InputError(f"{name} is '{as_text(value)}': allowed is {allowed(rule)}"
+        raise InputError(f"{name} is {_shown(value, items, rule)}: allowed is {allowed(rule)}"
                          + (f", of a size from {1 / LARGEST:g} to {LARGEST:g}" if beyond else "")
                          + ", typed without its unit" * measured + _advice(value, rule)) from None
     if rule["many"] == "list":

@@ -182,7 +182,7 @@ def branch_of(contact, load, form=Form(), steps=Steps(), log=lambda sentence: No
     """The branch of a contact that was made by hand."""
     scene = replace(contact.scene, geometry="flat", geometry_file="")
     branch = Branch(scene, load, steps, form, log=log)
-    branch.contact, branch.corrector = contact, Tracer(contact, form, log)
+    vars(branch).update(contact=contact, corrector=Tracer(contact, form, log))
     return branch
 
 

@@ -2,12 +2,14 @@
 
 import copy
 import pickle
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import contactsnes
-from contactsnes import Branch, Contact, InputError, Load, Scene, observe, plot, read, table
+from contactsnes import Branch, Contact, InputError, Load, Scene, Steps, observe, plot, read, table
 from contactsnes.output.archive import Archive
 
 SCENE = Scene(points=64, period=20.0, normal_maugis=1.0)
@@ -130,3 +132,53 @@ def test_points_go_on_where_they_are_unpickled(branch):
     scene, load, kept = pickle.loads(pickle.dumps((SCENE, LOAD, points[:5])))
     last = list(Branch(scene, load, history=kept))[-1]
     assert last.forces[0] == pytest.approx(points[-1].forces[0], rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ("load", "scene", "steps", "form", "legs", "contact", "laod"))
+def test_a_branch_is_what_it_was_made_as(name):
+    """Another load was taken without a word, and the path was the old one."""
+    made = Branch(SCENE, LOAD)
+    with pytest.raises(AttributeError, match=f"^a branch is immutable, its {name} cannot be set: "):
+        setattr(made, name, Load(path="normal_displacement=2"))
+    made.history = list(made)[:3]
+    assert len(made.history) == 3
+
+
+@pytest.mark.parametrize("other", ({"normal_maugis": 2.0}, {"gap_offset": 0.5},
+                                   {"geometry": "sinusoid"}))
+def test_a_point_of_another_contact_on_the_same_grid(other, branch):
+    """Its numbers were those of neither."""
+    point, elsewhere = next(iter(branch)), Branch(replace(SCENE, **other), LOAD)
+    for act in (elsewhere.observe, elsewhere.stiffness, elsewhere.packed):
+        told(lambda act=act: act(point), "point is of another contact: its forces are ")
+    same = Branch(replace(SCENE), LOAD).observe(point, ["contact_area"])
+    assert same == branch.observe(point, ["contact_area"])
+
+
+def test_threads_take_turns():
+    """Two that asked one branch for points ended in an AttributeError."""
+    made = Branch(SCENE, LOAD)
+    with ThreadPoolExecutor(3) as threads:
+        several = list(threads.map(lambda _: [point.forces[0] for point in made], range(3)))
+    assert several[0] == several[1] == several[2] == [point.forces[0] for point in made]
+
+
+@pytest.mark.parametrize("options, sentence", (
+    ({"points": "64"}, "-scene_points is '64', text: allowed is an even number"),
+    ({"points": 64.0}, "-scene_points is '64', a number with a decimal point: allowed is "),
+    ({"points": np.float64(64)}, "-scene_points is '64', a number with a decimal point: "),
+    ({"period": "20"}, "-scene_period is '20', text: allowed is a number above 0"),
+    ({"period": b"20"}, "-scene_period is 'b'20'': allowed is a number above 0"),
+    ({"normal_maugis": [1.0]}, "-scene_normal_maugis is '1', a list: allowed is a number"),
+    ({"normal_maugis": 10 ** 400}, "-scene_normal_maugis is '1000"),
+    ({"normal_maugis": np.ma.masked}, "-scene_normal_maugis is '': allowed is a number")))
+def test_values_of_another_type_whose_text_would_do(options, sentence):
+    told(lambda: Scene(**options), sentence)
+
+
+def test_numbers_of_numpy_are_those_of_python():
+    made = Scene(dimension=np.int8(2), points=np.array([32, 48]), period=np.array([8.0, 12.0]),
+                 normal_maugis=np.float32(0.5), geometry=np.str_("flat"))
+    assert made == Scene(dimension=2, points=(32, 48), period=(8.0, 12.0), normal_maugis=0.5,
+                         geometry="flat")
+    assert Steps(locate_folds=np.True_).locate_folds is True
