@@ -1,6 +1,8 @@
 """C of the laws: the file is that of the formulas, and computes what NumPy's programs do."""
 
 import ctypes
+import ctypes.util
+import platform
 import shutil
 import subprocess
 
@@ -16,6 +18,9 @@ from contactsnes.kernels import law_text
 compiler = shutil.which("cc") or shutil.which("gcc")
 compiled = pytest.mark.skipif(compiler is None, reason="there is no C compiler (cc or gcc)")
 FLAGS = {"plain": ("-O0",), "vectors": ("-O3", "-fno-math-errno", "-fno-trapping-math")}
+UNDERFLOW = 0x10
+"""FE_UNDERFLOW of x86-64 (<fenv.h>)."""
+
 OTHERS = {"modified": (0.3, 0.2), "dugdale": (0.4, 0.1, 0.3), "pressure_friction": (0.5, 0.2, 0.7),
           "xu_needleman": (0.6, 0.4)}
 
@@ -65,6 +70,21 @@ def compared(library, name, law):
 def test_c_computes_what_numpy_does(library, name):
     for law in (LAWS[name](), LAWS[name](*OTHERS.get(name, ()))):
         compared(library, f"law_{name}", law)
+
+
+@compiled
+@pytest.mark.skipif(platform.machine() != "x86_64", reason="has its own numbers of exceptions")
+@pytest.mark.parametrize("name", LAWS)
+def test_exponentials_that_underflow_are_left_out(library, name):
+    floats = ctypes.CDLL(ctypes.util.find_library("m"))
+    law = LAWS[name]()
+    far, near = np.linspace(800.0, 1000.0, 64), np.ones(64)
+    for kind in law_text.OUTPUTS:
+        for inputs in [(far,)] if kind == "_normal" else [(far, 0.0 * near), (near, 0.06 * far)]:
+            floats.feclearexcept(UNDERFLOW)
+            found = computed(library, f"law_{name}", kind, law.formula.values, *inputs)
+            assert not floats.fetestexcept(UNDERFLOW)
+            assert np.all(np.isfinite(found))
 
 
 @compiled
