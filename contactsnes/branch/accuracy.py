@@ -29,8 +29,8 @@ from ..interface import shapes
 from ..options.fields import as_text
 from ..scene.resolution import PINNING, resolution
 from ..scene.settings import Form, tangential_legs
+from .coarser import refined
 from .corrector import Corrector
-from .first_points import refined
 from .grid_choice import next_grid
 
 ASTRAY = 1.0

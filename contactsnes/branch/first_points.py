@@ -14,15 +14,11 @@ from ..contact import states
 from ..contact.force_form import FORMS
 from ..contact.problem import APPROACH, FORCE
 from ..continuation.points import NotConverged
-from ..grid.active import some
-from ..grid.transfer import extent, interpolated
-from ..grid.transfer import refined as refined_field
-from ..grid.windows import Window
 from ..scene.resolution import LARGEST_RESOLUTION, PINNING, resolution
 from ..solvers.capabilities import asked
 from ..solvers.snes import COLD
 from .coarse_motion import reached
-from .coarser import coarser, finer_state
+from .coarser import coarser, finer_state, refined, resolving, sharpened
 
 SPACING = 2.0 * LARGEST_RESOLUTION
 """Spacing x maugis^2 up to which a coarse grid keeps the law: an edge of contact hardly sticks
@@ -92,8 +88,34 @@ def cold(system, controls, load):
     system : Corrector
     controls, load : of each component
     """
-    point = first_point(system, controls[:1], load[:1])
-    return point if len(controls) == 1 else system.solve(point.state, controls, load, COLD)
+    if len(controls) == 1:
+        return first_point(system, controls, load)
+    try:
+        guess = _of_every_other_node(system, controls, load)
+        if guess is not None:
+            return system.solve(guess, controls, load, COLD)
+    except NotConverged as error:
+        system.log(f"no first point by way of a coarser grid ({error})")
+    guess = first_point(system, controls[:1], load[:1]).state
+    return system.solve(guess, controls, load, COLD)
+
+
+def _of_every_other_node(system, controls, load):
+    """The state near a first point of all components that a plane's coarser grid finds where it
+    resolves gap and law; None elsewhere, and where the normal contact is the answer.
+
+    Parameters
+    ----------
+    system, controls, load : as of `cold`
+    """
+    contact = system.contact
+    moves = contact.scene.dimension == 2 and (contact.couples() or np.any(load[1:]))
+    coarse = resolving(system, sheared=True) if moves else None
+    if coarse is None:
+        return None
+    state = finer_state(coarse.contact, contact, cold(coarse, controls, load).state)
+    contact.coarse.cache_clear()
+    return system.fitted(state)
 
 
 def first_point(system, controls, load):
@@ -227,74 +249,3 @@ def tolerance(level, finer):
 def _resolved(level):
     """Whether a grid resolves the law that a contact has on it."""
     return max(resolution(level.scene, False)) <= 1.01
-
-
-def refined(contact, finer, state):
-    """The state of a contact as one of a contact on twice as many nodes in each direction, whose
-    law may be sharper: `finer_state` of the same law, else `sharpened`.
-
-    Parameters
-    ----------
-    contact, finer : Contact
-    state : State of the first of them
-    """
-    made = finer_state if contact.ranges[0] == finer.ranges[0] else sharpened
-    return made(contact, finer, state)
-
-
-def sharpened(contact, finer, state):
-    """The state of the normal component of a contact as one of a contact on twice as many nodes in
-    each direction, whose law may be sharper.
-
-    w = a + N(a)/kappa in units of length is interpolated, with one stiffness for both laws: where
-    the surfaces overlap it is the traction, elsewhere the gap.
-
-    Parameters
-    ----------
-    contact, finer : Contact
-    state : State of the first of them
-    """
-    coarse, ratio = state.window, contact.ranges[0] / finer.ranges[0]
-    stiffness = finer.law.moving_stiffness
-    if finer.grid.shared:
-        return _in_rows(contact, finer, state, ratio, stiffness)
-    window = Window(finer.grid, [2 * first for first in coarse.start],
-                    [2 * n if n == total else 2 * n - 1
-                     for n, total in zip(coarse.shape, coarse.grid.shape)])
-    smooth = contact.law.regularised(states.normal_gap(contact, state),
-                                     stiffness / ratio ** 2) / ratio
-    smooth = interpolated(window, smooth)
-    gap = window.box(finer.law.gap_of_regularised(smooth, stiffness))
-    del smooth  # (what lies on the finest grid is not kept through the transforms that follow)
-    # The sharper law reaches less far.
-    within = gap < finer.law.range
-    part = tuple(extent(within, axis, margin=2 + count // 20)
-                 for axis, count in enumerate(window.shape))
-    known = (gap - window.box(window.take(finer.initial_gap)))[part]
-    del gap
-    window = Window(finer.grid, [first + kept.start for first, kept in zip(window.start, part)],
-                    known.shape)
-    found = states.State(window, known.reshape(1, -1), state.means / ratio)
-    # Beyond half of the cell its own circle is shorter than a padded one; without neighbours the
-    # contact counts in transforms of its window.
-    beyond = any(n < total < 2 * n for n, total in zip(window.shape, finer.grid.shape))
-    return states.fitted(finer, found, afresh=True) if beyond or finer.isolated else found
-
-
-def _in_rows(contact, finer, state, ratio, stiffness):
-    """`refined` to a grid of which some rows are here; the ratio is that of the ranges of the laws.
-
-    Parameters
-    ----------
-    contact, finer, state : as of `refined`
-    ratio, stiffness : float
-    """
-    # (one name: what lies on the finest grid is not kept through the transforms that follow)
-    gap = contact.extended(state)[0] + contact.initial_gap
-    smooth = contact.law.regularised(gap.reshape(-1), stiffness / ratio ** 2) / ratio
-    gap = refined_field(finer.grid, smooth.reshape(gap.shape)).reshape(-1)
-    gap = finer.law.gap_of_regularised(gap, stiffness)
-    window = some(finer.grid.whole, np.flatnonzero(gap < finer.law.range))
-    gap = gap[window.places] - window.take(finer.initial_gap)
-    found = states.State(window, gap[None], state.means / ratio)
-    return states.State(finer.grid.whole, finer.extended(found).reshape(1, -1), found.means)

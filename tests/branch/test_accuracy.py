@@ -13,8 +13,8 @@ import pytest
 
 from contactsnes.branch import accuracy, grid_choice
 from contactsnes.branch.branch import Branch
+from contactsnes.branch.coarser import refined
 from contactsnes.branch.corrector import Corrector
-from contactsnes.branch.first_points import refined
 from contactsnes.branch.grid_choice import chosen, memory_needed, next_grid, predicted, reason
 from contactsnes.contact.observables import Measurement
 from contactsnes.contact.problem import Contact

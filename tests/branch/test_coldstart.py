@@ -13,6 +13,7 @@ petsc4py.init([])
 from petsc4py import PETSc  # noqa: E402
 
 from contactsnes import Branch, Load  # noqa: E402
+from contactsnes.branch import coarser
 from contactsnes.branch import first_points as coldstart
 from contactsnes.branch.corrector import Corrector  # noqa: E402
 from contactsnes.contact import states  # noqa: E402
@@ -94,6 +95,57 @@ def test_a_cold_solve_in_the_force_form_finds_the_same(scene, control, value, me
 def test_what_a_first_point_costs(scene, value, most):
     _, _, cost = first(scene, DISPLACEMENT, value)
     assert weighed(cost) <= most
+
+
+@pytest.mark.parametrize("control, value", [(FORCE, 5.0), (FORCE, 0.3), (DISPLACEMENT, 60.0)])
+def test_the_start_of_large_planes_is_that_of_every_other_node(control, value):
+    contact = Contact(Scene(**{**SPHERE, "poisson": 0.3}))
+    load = np.array([value])
+    depths = []
+    for unknown in (contact, contact.coarse(np.inf)):
+        start = states.undeformed(unknown, (control,), load)
+        depths.append(-start.normal.min())
+    assert depths[0] == pytest.approx(depths[1], rel=1e-3)
+    spent = contact.grid.counter.transforms
+    np.testing.assert_array_equal(states.undeformed(contact, (control,), load).normal,
+                                  np.maximum(-contact.initial_gap.reshape(-1), -depths[1]))
+    assert contact.grid.counter.transforms < spent + 10.0
+    grid = Contact(Scene(**{**SPHERE, "poisson": 0.3, "points": 128}))  # asked on itself
+    own = states.undeformed(grid, (control,), load)
+    assert -own.normal.min() == pytest.approx(depths[0], rel=0.1)
+
+
+def test_a_first_point_under_a_force_costs_as_much_as_one_at_a_displacement():
+    scene = {**SPHERE, "points": 512}
+    spent = [weighed(first(scene, control, value)[2])
+             for control, value in ((DISPLACEMENT, 4.0), (FORCE, 12.5))]
+    assert spent[1] <= 2.0 * spent[0] + 2.0
+
+
+@pytest.mark.parametrize("changes", [
+    {"poisson": 0.3}, {"poisson": 0.3, "points": (256, 320), "period": (12.0, 14.0)}])
+@pytest.mark.parametrize("load", [[(DISPLACEMENT, 4.0), (DISPLACEMENT, 0.0)],
+                                  [(FORCE, 5.0), (FORCE, 0.0)]])
+def test_tangential_components_come_from_a_coarser_grid(load, changes, options):
+    """As those found from a normal contact without friction do, in fewer iterations there."""
+    options(snes_atol="1e-9")
+    scene = {**SPHERE, "normal_maugis": 1.5, **changes}
+    controls, values = zip(load[0], load[1], load[1])
+    found, spent = [], []
+    for cascade in (True, False):
+        system = made(scene, cascade=cascade)
+        point = coldstart.start(system, controls, np.array(values))
+        found.append(point)
+        spent.append((point.spent["last_iterations"], weighed(system.account())))
+    assert spent[0][0] <= 3 < spent[1][0] and spent[0][1] < spent[1][1]
+    assert states.missed(system.contact, *(point.state for point in found), largest=True) < 1e-6
+    np.testing.assert_allclose(found[0].forces, found[1].forces, rtol=1e-7, atol=1e-7)
+
+
+def test_tangential_components_that_nothing_moves_are_those_of_the_normal_contact():
+    system = made({**SPHERE, "normal_maugis": 1.5, "tangential": "on"})
+    point = coldstart.start(system, (DISPLACEMENT,) * 3, np.array([4.0, 0.0, 0.0]))
+    assert point.spent["last_iterations"] == 0 and not point.state.displacement[1:].any()
 
 
 @pytest.mark.parametrize("points, maugis, period, control, value", [
@@ -214,7 +266,7 @@ def test_a_sharper_law_keeps_traction_in_overlap_and_the_gap_elsewhere():
     places = window.coordinates()[0]
     gap = 3.0 * np.cos(places / 4.0) + 1.0
     state = states.State(window, (gap - window.take(soft_again.initial_gap))[None], np.zeros(1))
-    moved = coldstart.refined(soft_again, soft, state)
+    moved = coarser.refined(soft_again, soft, state)
     mine = states.normal_gap(soft, moved)[::2]
     overlap, open_ = gap < -0.3, gap > 3.5
     ratio = soft.ranges[0] / soft_again.ranges[0]
