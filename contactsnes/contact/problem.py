@@ -252,15 +252,15 @@ class Contact:
         window.put(state.displacement, cell)
         return cell
 
-    def gap_outside(self, state):
+    def gap_outside(self, state, elastic=None):
         """Normal gap over the whole cell (*grid), inf on the state's window, delta_n: as
-        `extended`, but one transform back only."""
+        `extended`, but one transform back only; of tractions ``elastic``, if not of the law's."""
         window, blocks = state.window, self.operator(state.components).blocks
         sources = [i for i in range(state.components) if (0, i) in blocks]
         there, back = (self.grid.transform(self.grid, self.grid.shape, count)
                        for count in (len(sources), 1))
         there.real[...] = 0.0
-        window.put(tractions(self, state)[sources], there.real)
+        window.put((tractions(self, state) if elastic is None else elastic)[sources], there.real)
         there.forward()
         back.spectrum[0] = sum(blocks[0, i] * spectrum
                                for i, spectrum in zip(sources, there.spectrum))

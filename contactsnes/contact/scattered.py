@@ -3,6 +3,7 @@ such."""
 
 from ..grid.active import WORTH, Nodes, within
 from .state import State, below
+from .states import will_do
 
 SPARSE = 0.6
 """Part of the nodes of a window on which the law acts, below which a smaller one is taken."""
@@ -40,6 +41,8 @@ def on_nodes(contact, state, afresh=False):
         # more than WORTH of the cell, and no window but the cell holds them
         if acting > (SPARSE * state.window.total if some else WORTH * state.window.total):
             return state
+    elif not afresh and len(state.window.parts) > 1 and will_do(contact, state):
+        return state
     cell = contact.extended(state)
     fresh = window(contact, cell[0] + contact.initial_gap)
     return state if fresh == state.window else State(fresh, fresh.take(cell), state.means)

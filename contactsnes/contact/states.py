@@ -10,10 +10,9 @@ import numpy as np
 
 from ..grid.active import Nodes
 from ..grid.boxes import reaching
-from ..grid.cell import Convolution
-from ..grid.roots import bracketed_root
 from ..kernels import points
-from .problem import APPROACH, FORCE, SUPPORT
+from .depth import of_start
+from .problem import SUPPORT
 from .state import State, alike, once_or_all, onto, spread
 
 REACH = 10.0
@@ -21,11 +20,6 @@ REACH = 10.0
 NEAR = 15.0
 """Normal gap, in ranges, below which a predictor follows the edge of contact: beyond, the law is
 below 1e-5 of its peak."""
-LARGE = 2 ** 16
-"""Nodes of a cell from which on the start of a convex body is looked for on every other one: each
-trial is two transforms."""
-ACROSS = 8
-"""Nodes of each direction on the flat, at least, from which that start is taken."""
 
 
 def undeformed(contact, controls, load):
@@ -44,77 +38,15 @@ def undeformed(contact, controls, load):
     """
     grid = contact.grid
     displacement = np.zeros((len(controls), grid.whole.size))
-    depth = _depth(contact, controls, load)
+    depth = of_start(contact, controls, load)
     displacement[0] = np.maximum(-contact.initial_gap, -depth).reshape(-1)
     return State(grid.whole, displacement, grid.mean(displacement))
-
-
-def _depth(contact, controls, load):
-    """c of the start u_n = max(-g_0, -c), in ranges of the law."""
-    gap = contact.initial_gap
-    grid = contact.grid
-    lowest, highest = grid.minimum(gap), grid.maximum(gap)
-    compliance = 0.0 if controls[0] == APPROACH else contact.rigid_compliance(1)[0]
-    control, target = controls[0], -contact.far_displacement(len(controls), load)[0]
-
-    def approach(depth):
-        return grid.sum(np.minimum(gap, depth).reshape(-1)) / grid.size
-
-    def excess(depth):
-        if control == FORCE:
-            return _carried(contact, depth) * contact.ranges[0] * grid.node_area - load[0]
-        sunk = compliance / grid.size * _carried(contact, depth) if compliance else 0.0
-        return approach(depth) + sunk - target
-
-    # The mean of equal gaps is not quite the gap.
-    if load[0] <= 0.0 if control == FORCE else target <= max(lowest, approach(lowest)):
-        return lowest if control == FORCE else target
-    if control == FORCE or compliance:
-        coarse = _on_every_other_node(contact, controls, load)
-        if coarse is not None:
-            return coarse
-    # What the flat carries first rises with the depth and falls again towards full contact: the
-    # first root counts.
-    tried = [lowest, *grid.quantiles(gap, (0.01, 0.03, 0.1, 0.2, 0.4, 0.7)), highest]
-    above = next((k for k, depth in enumerate(tried) if k and excess(depth) > 0.0), None)
-    # Each trial of what the flat carries is a transform of the cell; a start need not be exact in
-    # that.
-    precision = 1e-12 if control != FORCE and not compliance else 1e-3
-    return highest if above is None else bracketed_root(excess, tried[above - 1], tried[above],
-                                                        rtol=precision)
-
-
-def _on_every_other_node(contact, controls, load):
-    """c of the same start on half as many nodes in each direction; None where that is not worth
-    it, or where it would not do: bodies with several equilibria are moved from their start.
-
-    Parameters
-    ----------
-    contact, controls, load : as of `undeformed`
-    """
-    grid = contact.grid
-    if grid.size < LARGE or any(n % 4 for n in grid.shape) or not contact.convex:
-        return None
-    coarse = contact.coarse(np.inf)
-    depth = _depth(coarse, controls, load)
-    pressed = coarse.grid.count(coarse.initial_gap < depth)
-    contact.coarse.cache_clear()
-    return depth if pressed >= ACROSS ** len(grid.shape) else None
 
 
 def apart(contact):
     """The undeformed body, far outside the law's range; the normal component."""
     away = np.array([2.0 * contact.law.range - contact.grid.minimum(contact.initial_gap)])
     return State(contact.grid.whole, np.full((1, contact.grid.whole.size), away), away)
-
-
-def _carried(contact, depth):
-    """Sum over the flat's nodes of the traction that bends the body to u_n = max(-g_0, -depth),
-    ranges of the law."""
-    displacement = np.maximum(-contact.initial_gap, -depth).reshape(1, -1)
-    traction = Convolution(contact.grid.whole, contact.periodic.operator(1, "stiffness"), 1,
-                           contact.transforms).apply(displacement, displacement)
-    return contact.grid.sum(traction[0, contact.initial_gap.reshape(-1) < depth])
 
 
 def normal_gap(contact, state):
@@ -129,6 +61,19 @@ def _at_rim(contact, state):
     return contact.grid.minimum(state.once[0, rim] + contact.gap_on(nodes)[rim])
 
 
+def will_do(contact, state):
+    """Whether a state's box, or boxes, are about what the law needs for it: not the cell, neither
+    much wider nor narrower, and none of them idle."""
+    window, reach = state.window, contact.law.range
+    if window.is_whole:
+        return False
+    if len(window.parts) > 1:
+        gaps = normal_gap(contact, state).reshape(len(window.parts), -1)
+        if gaps.min(axis=1).max() > 1.2 * reach:
+            return False
+    return 0.9 * reach <= _at_rim(contact, state) < 4.0 * reach
+
+
 def fitted(contact, state, afresh=False):
     """The state on the box that the law needs for it, or the boxes: the same state where its window
     will do, unless ``afresh``.
@@ -139,12 +84,8 @@ def fitted(contact, state, afresh=False):
     state : State
     afresh : bool
     """
-    window, reach = state.window, contact.law.range
-    closest = _at_rim(contact, state)
-    idle = (len(window.parts) > 1
-            and normal_gap(contact, state).reshape(len(window.parts),
-                                                   -1).min(axis=1).max() > 1.2 * reach)
-    if not afresh and not window.is_whole and not idle and 0.9 * reach <= closest < 4.0 * reach:
+    window = state.window
+    if not afresh and will_do(contact, state):
         return state
     if window.is_whole and contact.window(*once_or_all(contact, state)) == window:
         return state

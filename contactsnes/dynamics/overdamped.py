@@ -19,6 +19,7 @@ from ..continuation.points import lagrange_weights
 from ..grid.cell import Convolution
 from ..options.fields import Options, option
 from .control import CAREFUL, MANY, Exactness, control
+from .outside import Outside
 from .viscous import Equations, backward_formula
 
 RESTING = 1e-6
@@ -115,6 +116,8 @@ class OverdampedMotion:
         self.equations = equations = Equations(self.contact, state.window, even, self.controls,
                                                self.load, self._precision)
         equations.allow(self._control)
+        self._outside = Outside(self.contact, equations,
+                                self.symmetry.scatters(len(self.controls)))
         unknown = equations.pack(state.displacement, state.means)
         gap, traction = equations.gap(unknown), equations.traction(unknown)
         elastic = traction if elastic is None else equations.folded(elastic)
@@ -125,15 +128,20 @@ class OverdampedMotion:
         self._next = min(1.0, max(0.5 * self.options.tolerance, self._control.still)
                          / max(equations.size(self.rate, self._near), RESTING))
 
-    def state(self):
-        """Where the motion is now."""
+    def means(self):
+        """Means of the displacements over the cell now, (components,)."""
         equations, now = self.equations, self.history[-1]
         means = equations.far - self.contact.rigid_compliance(len(self.controls)) * equations.mean(
             now.elastic)
         means[equations.moving] = (equations.form.scalars(now.unknown)
                                    - equations.response(now.elastic))
-        return states.State(equations.window,
-                            equations.unfolded(equations.displacement(now.unknown).copy()), means)
+        return means
+
+    def state(self):
+        """Where the motion is now."""
+        equations, unknown = self.equations, self.history[-1].unknown
+        displacement = equations.unfolded(equations.displacement(unknown).copy())
+        return states.State(equations.window, displacement, self.means())
 
     def follow(self, rest=RESTING, part=0.0):
         """Follow the motion until it slows down below a speed ``rest`` where the law acts, or below
@@ -142,8 +150,7 @@ class OverdampedMotion:
         Raises Leaving where it has no end, Unsettled where it cannot be followed.
         """
         options, begun = self.options, self.history[-1].time
-        last = np.inf
-        speed = self.equations.size(self.rate, self._near)
+        last, speed = np.inf, self.equations.size(self.rate, self._near)
         step = self._next
         self._exactness = Exactness(min(1e-4 * options.tolerance, rest))
         while self.steps < options.steps and self.history[-1].time < LATEST:
@@ -160,8 +167,9 @@ class OverdampedMotion:
             last, speed = speed, self.equations.size(change, self._near) / step
             self.fastest = max(self.fastest, speed)
             slow = max(rest, part * self.fastest)
-            covered = self._covered()
-            if covered and speed < slow and (speed <= last or speed < 1e-3 * slow):
+            calm = speed < slow and (speed <= last or speed < 1e-3 * slow)
+            covered = self._outside.free(self, sure=calm)
+            if covered and calm:
                 self._next = step
                 return
             lost = self.equations.leaving(moment.unknown, moment.gap,
@@ -253,20 +261,6 @@ class OverdampedMotion:
         self.works[1] -= step * grid.sum(creep * velocity + creep_bend * turn / 3.0)
         self.works[1, moving] += (step * self.contact.grid.size * equations.mass
                                   * (means ** 2 + bent ** 2 / 3.0))
-
-    def _covered(self):
-        """Whether every node outside the window is certainly out of the law's range."""
-        window, contact = self.equations.window, self.contact
-        if window in (contact.grid.whole, contact.widest):
-            return True
-        near = self.equations.rim_gap(self.history[-1].gap) < contact.law.certain
-        if near and not self.symmetry.scatters(len(self.controls)):
-            return False
-        if contact.convex and not near:
-            return True
-        outside = self._extended()[0] + contact.initial_gap
-        window.put(np.full(window.size, np.inf), outside)
-        return contact.grid.minimum(outside) >= contact.law.certain
 
     def _extended(self):
         """Displacement over the cell (components, *grid): m - C tau off the window."""

@@ -6,7 +6,7 @@ import pytest
 import scipy.fft
 
 from contactsnes.branch.branch import Branch
-from contactsnes.contact import states
+from contactsnes.contact import scattered, states
 from contactsnes.contact.combining import combined
 from contactsnes.contact.edges import follow_edge
 from contactsnes.contact.forms import DisplacementForm
@@ -377,6 +377,20 @@ def test_a_path_costs_less_where_spots_are_small(tmp_path):
         assert len(points[-1].state.window.parts) == (3 if window == "auto" else 1)
         spent[window] = np.median([point.spent["transforms"] for point in points[1:]])
     assert spent["auto"] < 0.35 * spent["off"]
+
+
+def test_boxes_of_a_plane_stay_while_they_will_do(tmp_path, always, monkeypatch):
+    """Steps go on on the boxes of the last point: nothing is made anew, nor transformed for it."""
+    made, window = [], scattered.window
+    monkeypatch.setattr(scattered, "window",
+                        lambda *arguments: made.append(window(*arguments)) or made[-1])
+    branch, points = points_of(plane_scene(tmp_path), "normal_displacement=0.6",
+                               "normal_displacement=0.2", steps=Steps(initial_step=0.05,
+                                                                      largest_step=0.05))
+    assert len(points) == 9 and all(len(point.state.window.parts) == 3 for point in points)
+    assert len({point.state.window for point in points}) < 4 and len(made) < 6
+    same(branch, points[-1:], points_of(plane_scene(tmp_path), "normal_displacement=0.6",
+                                        "normal_displacement=0.2", "off")[1][-1:])
 
 
 def test_one_spot_keeps_its_window(tmp_path):

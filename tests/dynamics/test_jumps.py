@@ -11,7 +11,7 @@ from contactsnes import Branch, Contact, Form, Load, NoEquilibrium, NotConverged
 from contactsnes.branch import first_points
 from contactsnes.contact import states
 from contactsnes.contact.symmetry import Symmetry
-from contactsnes.dynamics import control, jumps, relaxing
+from contactsnes.dynamics import control, jumps, outside, relaxing
 from contactsnes.dynamics.control import Exactness
 from contactsnes.dynamics.overdamped import Leaving, MotionOptions, OverdampedMotion, Unsettled
 from contactsnes.grid.counter import weighed
@@ -481,6 +481,30 @@ def test_what_slides_while_contact_still_grows_does_not_slide_for_ever():
     motion = flow(contact, controls, load, lifted(contact, controls, load, 5.0, 12.0), even=False)
     motion.follow()
     assert states.normal_gap(contact, motion.state()).min() < 1.0
+
+
+@pytest.mark.parametrize("farther", [outside.FARTHER, 0.0])
+def test_a_spot_that_comes_into_range_is_taken_in_whenever_it_is_looked_for(farther, monkeypatch):
+    """A second parabola, out of range at first, that a force brings to the flat; looked for after
+    every step, or when nodes have moved far enough and when all rests."""
+    x = (np.arange(2048) - 1024) * 80.0 / 2048
+    heights = -np.minimum((x + 18) ** 2, (x - 18) ** 2 + 22.0) / 2
+    scene = Scene(points=2048, period=80.0, normal_maugis=4.0, height=np.inf, geometry="file",
+                  geometry_file="-")
+    ends, spent = [], []
+    for kept in (np.inf, farther):
+        monkeypatch.setattr(outside, "FARTHER", kept)
+        contact = Contact(scene, heights)
+        motion = flow(contact, (F,), (30.0,), lifted(contact, (D,), (0.0,), 2.0),
+                      even=False)
+        begun = contact.grid.counter.transforms
+        narrow = motion.equations.window
+        motion.follow()
+        assert motion.equations.window.total > narrow.total
+        ends.append(motion.state())
+        spent.append(contact.grid.counter.transforms - begun)
+    assert states.missed(contact, *ends, largest=True) < 1e-3
+    assert spent[1] < spent[0]
 
 
 def test_a_fold_under_a_force_is_the_pull_off_that_a_path_stops_at():
