@@ -267,6 +267,18 @@ def test_a_full_contact_and_a_body_off_the_flat_do_not_alternate():
         assert all(point.resolved for point in points)
 
 
+@pytest.mark.parametrize("more", [{"geometry": "flat"}, {"geometry": "rough", "rough_slope": 0.5,
+                                                        "rough_shortest": 2.0}])
+def test_what_solves_leave_of_slip_that_no_load_makes_does_not_alternate(more):
+    """Tangential unknowns, and nothing that moves them: their tractions are noise of some 1e-9."""
+    said = []
+    points = list(Branch(Scene(points=64, period=8.0, normal_maugis=2.0, law="mcgarry",
+                               tangential="on", **more),
+                         Load(path="normal_displacement=1.5; normal_displacement=-2"),
+                         log=said.append))
+    assert all(point.resolved for point in points) and "alternates" not in str(said)
+
+
 @pytest.mark.parametrize("options, status, words",
                          [({"scene_period": "30", "scene_range_normal": "7.4e-07",
                             "load_path": "normal_force=-1.5e2; normal_displacement=.5"}, 1,
