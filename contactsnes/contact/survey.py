@@ -15,8 +15,8 @@ PART = 2 ** 14
 """Nodes whose tangents are taken at a time."""
 
 TRACTIONLESS = 1e-5
-"""Traction, over the scale of the law, that counts as none: what solves leave of a component that no
-load moves is up to some 1e-8, and alternates as it likes."""
+"""Traction, over the scale of the law, that counts as none: what solves leave of a component that
+no load moves is up to some 1e-8, and alternates as it likes."""
 
 
 class Survey(NamedTuple):
