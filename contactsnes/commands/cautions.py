@@ -24,6 +24,8 @@ HALF_SPACE = 0.97
 the layer is thin for it: about the spacing high."""
 SHORTER = 1e3
 """How much shorter waves are that meet a half-space."""
+COARSE = 1e-3
+"""Last digit of heights, ranges of the law, from which on it is told."""
 BENT = 0.01
 """Attraction at the edge of the cell, over the law's peak, from which on its bend there is told."""
 
@@ -124,7 +126,7 @@ def of_surface(scene, grid=None):
     """Sentences on heights or a gap of one's own, empty for other scenes; by rows, where a grid is
     given that has some of them."""
     return [*_seams(scene, grid), *_proportions(scene, grid), *_order(scene), *_size(scene),
-            *_part(scene)]
+            *_part(scene), *_digit(scene)]
 
 
 def _seams(scene, grid):
@@ -208,3 +210,14 @@ def _part(scene):
         yield (f"-scene_period is the length of what is used, {' x '.join(map(str, used))} nodes "
                f"of a map of {' x '.join(map(str, whole))} heights: all of the map is taken to be "
                f"{' x '.join(sizes)}; -scene_heights_size is the size of all of it")
+
+
+def _digit(scene):
+    """A sentence on heights so far from 0 that the last digit of their numbers is no small part of
+    the law's range: they are rounded to it."""
+    last = shapes.of(scene).digit(scene) if scene.geometry == "file" else 0.0
+    if last * scene.ranges[0] > COARSE:
+        yield (f"the heights are rounded to {scene.short(last, 'u_n,r', 2)}, "
+               f"{last * scene.ranges[0]:.2g} ranges of the law: {scene.geometry_file} keeps no "
+               "more digits of its largest one; take their mean out before they are written, or "
+               "write them in double precision")

@@ -32,6 +32,8 @@ NO_NUMBER = re.compile(r"#(?=N/A|NV\b|[A-Z/0]+[!?]|(?:QNAN|QNB|SNAN|IND|INF)\d*\
 no comment."""
 NO_HEIGHT = re.compile(r"nodata\w*[\s=:]+([-+]?\d[-+.\deE]*)", re.IGNORECASE)
 """How a heading tells the number that stands for no height."""
+MINUS = "\N{MINUS SIGN}"
+"""What some languages have before a number in place of a hyphen."""
 WITH_COMMAS = (";", "\t")
 """What may separate numbers that have decimal commas."""
 FEWEST = 6
@@ -158,7 +160,8 @@ def _read_table(filename, _=""):
         first -= 1
     rows = lines[first:]
     if not rows:
-        raise ValueError("there are no numbers in it")
+        raise ValueError("it has no row of numbers, with blanks, commas, tabulators or semicolons "
+                         "(then also decimal commas) between them")
     separator = _separator(rows[-1])
     if separator and all(row.endswith(separator) for row in rows):
         rows = [row.removesuffix(separator) for row in rows]
@@ -176,7 +179,8 @@ def _read_table(filename, _=""):
 def _text(filename):
     """The text of a file, of one byte a letter or more."""
     content = Path(filename).read_bytes()
-    return content.decode("utf-16" if content.startswith(WIDE) else "utf-8-sig", errors="replace")
+    text = content.decode("utf-16" if content.startswith(WIDE) else "utf-8-sig", errors="replace")
+    return text.replace(MINUS, "-")
 
 
 def _separator(row):
@@ -274,12 +278,14 @@ def _read_array(filename, _=""):
     """An array of NumPy, without objects: these are programs."""
     try:
         found = np.load(filename, allow_pickle=False, mmap_mode="r")
+        if not isinstance(found, np.ndarray):
+            raise ValueError(f"it holds arrays by name ({', '.join(found)}): save one of them")
         by_rows = isinstance(found, np.memmap) and found.flags.c_contiguous
         return stored(filename, "", found) if by_rows else np.load(filename, allow_pickle=False)
     except (ValueError, EOFError) as error:
         why = str(error)
     with open(filename, "rb") as file:
-        if file.read(len(MAGIC_PREFIX)) != MAGIC_PREFIX:
+        if file.read(len(MAGIC_PREFIX)) != MAGIC_PREFIX and "by name" not in why:
             why = "it is no array of NumPy, whatever its name says"
         elif re.search("pickle|object", why):
             why = "it holds objects of Python, which are not read"

@@ -81,24 +81,31 @@ def _made(specification, crop, fill, edges):
                          "needed, see -scene_heights_crop.")
     if isinstance(found.values, Stored) and (fill, edges) == ("none", "warn"):
         values = found.values._replace(part=ends)
-        _check_stored(option, values)
+        largest = _check_stored(option, values)
     else:
-        values = np.asarray(found.values)[ends]
-        values = MENDED[edges](_usable(option, _filled(option, values, fill)))
+        values = _usable(option, _filled(option, np.asarray(found.values)[ends], fill))
+        largest, values = np.abs(values).max(), MENDED[edges](values)
         values.flags.writeable = False
     size = found.size and tuple(length * n / whole for length, n, whole
                                 in zip(found.size, values.shape, found.values.shape))
-    return Heights(values, size, found.unit)
+    return Heights(values, size, found.unit, _last_digit(found.values.dtype, largest))
+
+
+def _last_digit(dtype, size):
+    """The last digit of a number of that size and type, 0 of whole numbers."""
+    return float(np.spacing(np.asarray(size, dtype))) if dtype.kind == "f" else 0.0
 
 
 def _check_stored(option, values):
-    """ValueError, as of `_usable` and `_filled`, for `Stored` heights that are none."""
+    """The largest size of `Stored` heights; ValueError, as of `_usable` and `_filled`, for such
+    that are none."""
     missing, largest = 0, 0.0
     for block in values.blocks():
         missing += np.count_nonzero(~np.isfinite(block))
         largest = max(largest, np.abs(block).max())
     _refuse_holes(option, missing, math.prod(values.shape))
     _refuse_large(option, largest)
+    return largest
 
 
 def _ends(crop, values):

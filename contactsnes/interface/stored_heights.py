@@ -8,6 +8,10 @@ import numpy as np
 
 BLOCK = 2 ** 20
 """Numbers of a file that are looked at together."""
+HOLES = "_FillValue", "missing_value"
+"""Attributes of a dataset, by netCDF's conventions, that tell the number which stands for none."""
+PACKED = "scale_factor", "add_offset"
+"""Those that tell what its numbers are to be multiplied by, and what is to be added then."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -15,13 +19,15 @@ class Heights:
     """Heights of a file (nan where there are none), its size in each direction and its unit, None
     where it does not tell.
 
-    The size is in the unit of the heights; values are an array, or `Stored` or `Elsewhere`. They
+    The size is in the unit of the heights; values are an array, or `Stored` or `Elsewhere`; the
+    digit is the last one that the largest of them has in the file's floating-point numbers. They
     are equal to themselves only, so that what is made of them can be kept with them.
     """
 
     values: object
     size: tuple = None
     unit: str = None
+    digit: float = 0.0
 
 
 class Elsewhere(NamedTuple):
@@ -92,4 +98,30 @@ def stored(filename, dataset, array):
     """
     if array.dtype.kind not in "fiu" or array.ndim not in (1, 2) or array.size == 0:
         return array[()]
+    if dataset and (told := _conventions(array)):
+        return _unpacked(array[()], told)
     return Stored(filename, dataset, array.dtype, tuple(slice(0, n) for n in array.shape))
+
+
+def _conventions(dataset):
+    """Attributes of an open dataset by which netCDF tells what its numbers stand for, name ->
+    number; none where they stand for themselves."""
+    told = {name: float(np.ravel(dataset.attrs[name])[0]) for name in (*HOLES, *PACKED)
+            if name in dataset.attrs}
+    return {name: value for name, value in told.items()
+            if not (name in HOLES and math.isnan(value))}
+
+
+def _unpacked(numbers, told):
+    """Heights of numbers of a dataset, nan where these stand for none.
+
+    Parameters
+    ----------
+    numbers : array
+    told : mapping, `_conventions`
+    """
+    values = numbers.astype(float)
+    for name in HOLES:
+        if name in told:
+            values[numbers == numbers.dtype.type(told[name])] = np.nan
+    return values * told.get("scale_factor", 1.0) + told.get("add_offset", 0.0)

@@ -15,6 +15,7 @@ from contactsnes.commands import cautions  # noqa: E402
 from contactsnes.contact.problem import Contact  # noqa: E402
 from contactsnes.interface import height_files, heights, seams, shapes  # noqa: E402
 from contactsnes.interface.roughness import surface  # noqa: E402
+from contactsnes.interface.stored_heights import Stored  # noqa: E402
 from contactsnes.options.fields import InputError  # noqa: E402
 from contactsnes.scene.settings import Scene  # noqa: E402
 
@@ -118,6 +119,35 @@ def test_decimal_commas_stand_where_something_else_separates(tmp_path, sign):
     rows = [sign.join(f"{value:g}".replace(".", ",") for value in row) for row in values]
     (tmp_path / "a.txt").write_text("Höhen\n" + "\n".join(rows))
     np.testing.assert_array_equal(height_files.read(tmp_path / "a.txt").values, values)
+
+
+def test_a_minus_sign_is_one(tmp_path):
+    """Numbers that some languages write with U+2212 were holes."""
+    (tmp_path / "map.csv").write_text("\N{MINUS SIGN}1,5;2\n3;\N{MINUS SIGN}4,25\n",
+                                      encoding="utf-8")
+    assert np.array_equal(height_files.read(tmp_path / "map.csv").values, [[-1.5, 2], [3, -4.25]])
+
+
+def test_attributes_of_a_dataset_tell_what_its_numbers_stand_for(tmp_path):
+    """netCDF's conventions: -9999 was a height, and whole numbers were heights as they are."""
+    h5py = pytest.importorskip("h5py")
+    packed = np.array([[1, -9999, 3], [4, 5, -1]], ">i2")
+    with h5py.File(tmp_path / "map.h5", "w") as file:
+        file["z"] = packed
+        file["z"].attrs.update({"_FillValue": np.array([-9999], ">i2"), "missing_value": -1,
+                                "scale_factor": 0.5, "add_offset": 10.0})
+        file["plain"] = np.float32(packed)
+        file["plain"].attrs["_FillValue"] = np.float32("nan")
+    found = height_files.read(f"{tmp_path}/map.h5:z").values
+    assert np.array_equal(found, [[10.5, np.nan, 11.5], [12, 12.5, np.nan]], equal_nan=True)
+    assert isinstance(height_files.read(f"{tmp_path}/map.h5:plain").values, Stored)
+
+
+def test_several_arrays_under_the_name_of_one_are_refused(tmp_path):
+    with open(tmp_path / "map.npy", "wb") as file:
+        np.savez(file, z=np.zeros((4, 4)))
+    with pytest.raises(ValueError, match=r"it holds arrays by name \(z\): save one of them"):
+        height_files.read(tmp_path / "map.npy")
 
 
 def test_two_heights_at_one_place_are_refused(tmp_path):
@@ -507,6 +537,17 @@ def test_a_map_that_is_used_as_it_is_is_not_read_for_its_size(tmp_path, monkeypa
     scene = Scene.typed(**given)
     monkeypatch.setattr(shapes.SHAPES["file"], "whole", lambda shape: pytest.fail("read again"))
     assert not [text for text in cautions.of_surface(scene) if "-scene_period" in text]
+
+
+@pytest.mark.parametrize("offset, kind, told", (
+    (0.0, "f8", False), (1e9, "f8", False), (1e15, "f8", True), (1e5, "f4", True),
+    (0.0, "f4", False), (1e3, "i8", False)))
+def test_heights_too_far_from_zero_for_their_digits_are_told(tmp_path, offset, kind, told):
+    """Steps of what rounding left of them were the surface, without a word."""
+    np.save(tmp_path / "map.npy", (MAP + offset).astype(kind))
+    scene = Scene.typed(geometry="file", geometry_file=str(tmp_path / "map.npy"), period=20.0)
+    said = [sentence for sentence in cautions.of_surface(scene) if "are rounded to" in sentence]
+    assert len(said) == told
 
 
 def test_a_size_from_python_has_to_be_the_period(tmp_path):

@@ -206,6 +206,11 @@ class File(Shape):
         found, unit = self.map(), UNITS[self.unit()] if scene.units == "si" else 1.0
         return found.size and tuple(unit / scene.scale("beta")[0] * length for length in found.size)
 
+    def digit(self, scene):
+        """The last digit that the file's numbers have for the largest height, u_n,r."""
+        unit = UNITS[self.unit()] if scene.units == "si" else 1.0
+        return self.map().digit * unit / scene.scale("u_n,r")[0]
+
     def source(self, scene):
         """Option and file."""
         return f"{scene.option_name('geometry_file')} is '{self.geometry_file}'"
