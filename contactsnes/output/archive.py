@@ -211,8 +211,7 @@ class Archive:
 
     def states(self):
         """States of the last points (up to four), oldest first, as they were given to `append`."""
-        states = safely(self.path, lambda file: [
-            stored.unpack(state) for state in stored.states(file, self.points).values()])
+        states = safely(self.path, lambda file: list(stored.unpacked(file, self.points).values()))
         if self.points and not states:
             raise ArchiveError(
                 f"{self.path} cannot be resumed: the state of its last point is lost.")

@@ -149,8 +149,8 @@ class Record(Mapping):
         """Point (from 0) -> what is kept for going on from it, a mapping: of the last points, up to
         four."""
         held = self.points - len(self._waiting)
-        found = self._taken(lambda file: {number - 1: stored.unpack(state) for number, state
-                                          in stored.states(file, held).items()})
+        found = self._taken(lambda file: {number - 1: state for number, state
+                                          in stored.unpacked(file, held).items()})
         return found | {held + place: point.state for place, point in enumerate(self._waiting)}
 
     def _taken(self, take):

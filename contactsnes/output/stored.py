@@ -260,6 +260,16 @@ def pack(point, state):
     return np.frombuffer(data, "u1")
 
 
+def unpacked(file, points):
+    """`states`, each as `pack` was given it; ArchiveError, which names the file, for a damaged
+    one."""
+    try:
+        return {number: unpack(state) for number, state in states(file, points).items()}
+    except ArchiveError as error:
+        raise ArchiveError(f"{file.filename} is damaged: {error}; its points can be read, and no "
+                           "run goes on from them.") from None
+
+
 def unpack(packed):
     """The state that `pack` made bytes of; ArchiveError where they are others."""
     data = packed[16:].tobytes()

@@ -55,7 +55,8 @@ def write_vtk(path, asked):
 def _points(record, chosen):
     """The points that are written; ArchiveError for those without fields."""
     if not record.field_points or record.initial_gap is None:
-        raise ArchiveError(f"{record.path} has no fields: run with -archive_fields all or last")
+        raise ArchiveError(f"{record.path} has no fields: run with -archive_fields all or last"
+                           if record.points else f"{record.path} has no points to write yet.")
     if chosen is None:
         return record.field_points
     chosen = [point + record.points if point < 0 else point for point in chosen]

@@ -256,6 +256,20 @@ def test_long_options_and_long_states(tmp_path):
     assert len(read(archive.path).options) == 120_000
 
 
+def test_a_damaged_state_is_told_with_its_file(tmp_path):
+    archive = Archive.create(tmp_path / "run.h5", **content())
+    append(archive, 2)
+    archive.settle()
+    with h5py.File(archive.path, "r+") as file:
+        for slot in file["states"].values():
+            slot[60] ^= 255
+    said = f"^{archive.path} is damaged: the checksum of a state is not that of "
+    with pytest.raises(ArchiveError, match=said):
+        read(archive.path).states()
+    with pytest.raises(ArchiveError, match=said):
+        archive.states()
+
+
 def test_states_are_those_of_the_last_four_points(tmp_path):
     archive = Archive.create(tmp_path / "run.h5", **content())
     assert archive.states() == []

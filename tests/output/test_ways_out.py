@@ -304,6 +304,9 @@ def test_numbers_with_a_stroke_in_their_unit_are_shown(points, tmp_path):
 def test_an_export_refuses_what_is_not_there(tmp_path):
     with pytest.raises(ArchiveError, match="has no fields: run with -archive_fields"):
         write_vtk(archive(tmp_path / "a.h5"), ExportOptions())
+    empty = archive(tmp_path / "c.h5", (), fields="all", finished=False)
+    with pytest.raises(ArchiveError, match="has no points to write yet"):
+        write_vtk(empty, ExportOptions())
     path = archive(tmp_path / "b.h5", fields="all")
     with pytest.raises(ArchiveError, match="no fields of point 9; it has those of 0 to 3"):
         write_vtk(path, ExportOptions(points="9"))

@@ -75,7 +75,8 @@ def write_movie(path, asked):
     """
     record = read(path)
     if not record.field_points or record.initial_gap is None:
-        raise ArchiveError(f"{path} has no fields to show: run with -archive_fields all")
+        raise ArchiveError(f"{path} has no fields to show: run with -archive_fields all"
+                           if record.points else f"{path} has no points to show yet.")
     kind = ending(asked)
     target = Path(asked.output) if asked.output else Path(path).with_suffix(f".{kind}")
     check_output(target)
