@@ -182,7 +182,7 @@ class Branch:
             return None
         if leg is not None and tuple(last.controls) != leg.controls:
             last = self.corrector.adapted(last, leg.controls, leg.start)
-        return Stability(self.corrector, SIGN).modes(last, None)
+        return Stability(self.corrector, SIGN).best(last)
 
     def observe(self, point, names=None):
         """Name -> value of everything that a point can tell (``observables.table``), or of some

@@ -154,6 +154,13 @@ class Stability:
                       [operator.state(vector) for vector in summed(soft(found))])
         return joined(found)
 
+    def best(self, point):
+        """`modes` of a point, accurate where they can be had so, else their signs alone."""
+        try:
+            return self.modes(point)
+        except NotConverged:
+            return self.modes(point, None)
+
     def _known(self, state, components):
         """The state on the window that the law needs, centred where mirrors leave it as it is, and
         the `linearised.symmetries` of that."""
