@@ -2,11 +2,14 @@
 by name."""
 
 import dataclasses
+import inspect
 import pkgutil
-from functools import lru_cache
+from functools import lru_cache, wraps
 from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
+
+import numpy as np
 
 from ..options.fields import InputError, Options
 
@@ -21,14 +24,19 @@ class Declared(Options):
     name : what an option of the scene calls it; a class without one is a base of others
     meaning : what the help says of it
     made : methods that are made of what it declares, and are none for it to replace
+    spared : name of a method -> what stands for it where it would be asked of no nodes or waves, as
+        one of several processes may have none: their smallest, say, would be an error
     """
 
     prefix = "scene_"
     name, meaning = "", ""
-    made = ()
+    made, spared = (), {}
 
     def __init_subclass__(cls, **options):
         super().__init_subclass__(**options)
+        for name in cls.spared.keys() & vars(cls).keys():
+            if inspect.isfunction(vars(cls)[name]):
+                setattr(cls, name, _spared(vars(cls)[name], cls.spared[name]))
         own = {name: value for name, value in vars(cls).items()
                if isinstance(value, dataclasses.Field)}
         annotations = dict(vars(cls).get("__annotations__", {}))
@@ -53,6 +61,22 @@ class Declared(Options):
         """Name -> field of every option that the class declares."""
         fields = dataclasses.fields(cls) if dataclasses.is_dataclass(cls) else ()
         return MappingProxyType({field.name: field for field in fields})
+
+
+def _spared(method, nothing):
+    """A method that is asked of something only; of no nodes or waves, its first argument, another
+    function is.
+
+    Parameters
+    ----------
+    method, nothing : functions of the same arguments, the latter without the object
+    """
+    @wraps(method)
+    def asked(self, *values, **named):
+        if values and not np.size(values[0]):
+            return nothing(*values, **named)
+        return method(self, *values, **named)
+    return asked
 
 
 class Registry:

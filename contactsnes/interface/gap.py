@@ -30,6 +30,8 @@ def evaluated(shape, coordinates, scene):
         not real, not finite or too large
     """
     nodes = np.broadcast_shapes(*(x.shape for x in coordinates))
+    if 0 in nodes:  # of a process without rows: the largest of none, say, would be an error
+        return np.zeros(nodes)
     named = f"{scene.option_name('geometry')} is '{scene.geometry}'"
     try:
         with np.errstate(all="ignore"):

@@ -12,6 +12,7 @@ from contactsnes.commands import cli  # noqa: E402
 from contactsnes.commands.run import Run  # noqa: E402
 from contactsnes.interface import bodies, laws, own_methods, shapes  # noqa: E402
 from contactsnes.interface.bodies.layer import Layer  # noqa: E402
+from contactsnes.interface.gap import evaluated  # noqa: E402
 from contactsnes.output.reading import read  # noqa: E402
 
 LINE = {"points": 128, "period": 20.0, "normal_maugis": 1.0}
@@ -155,6 +156,34 @@ def test_a_law_that_fails_on_the_way_loses_no_points(error, tmp_path, monkeypatc
             f"({error}: too late; line 9 of the file); mend it; 3 points are in ") in said
     assert "Traceback" not in said
     assert read("run.h5").points == 3
+
+
+def test_nothing_is_asked_of_no_nodes_or_waves():
+    """One of several processes may have none, where the law acts or at all: a smallest gap among
+    them, which one process has, was an error there."""
+    def evaluate(self, gap, traction, tangent=None):
+        assert gap[0].min() < 30.0
+        if tangent is not None:
+            tangent[...] = np.eye(len(gap))[:, :, None]
+        return np.multiply(gap, 1.0, out=traction)
+
+    law = type("Mine", (Law,), {"evaluate": evaluate})()
+    assert law.traction(np.empty((3, 0))).shape == (3, 0) == law.tangent(np.empty((3, 0))).shape[1:]
+    assert np.array_equal(law.traction(np.ones((2, 1))), np.ones((2, 1)))
+
+    def surface(self, wavenumber):
+        assert wavenumber.max() > 0.0
+        return Layer.surface(self, wavenumber)
+
+    body, none = made(Layer, surface=surface), (np.empty((4, 0)), np.empty((1, 0)))
+    for blocks in (body.compliance(none, 3), body.stiffness(none, 3), body.stiffness(none, 1)):
+        assert all(block.shape == (4, 0) for block in blocks.values())
+
+    def gap(self, coordinates, scene):
+        return coordinates[0] ** 2 / 2 + 0.0 * coordinates[1].max()
+
+    assert evaluated(made(Shape, gap=gap), (np.empty((0, 1)), np.empty((1, 4))),
+                     Scene(dimension=2)).shape == (0, 4)
 
 
 def test_what_fails_elsewhere_is_not_blamed_on_files():

@@ -67,6 +67,11 @@ def _create_waves(wavevectors, last_even):
     return _Waves(wavenumber, unit, odd_unit, zero, nyquist)
 
 
+def _of_none(wavenumber):
+    """`Surface` of no wave numbers."""
+    return Surface(*[np.empty(np.shape(wavenumber))] * len(Surface._fields))
+
+
 class Body(Declared):
     """A linear elastic body: its surface compliance and stiffness in Fourier space. A subclass has
     to have ``surface`` and ``rigid_compliance``.
@@ -85,6 +90,7 @@ class Body(Declared):
     """
 
     made = ("compliance", "diagonal", "stiffness")
+    spared = {"surface": _of_none, "surface_stiffness": _of_none}
     work_ratio = 1.0
     local_compliance = (0.0, 0.0)
 

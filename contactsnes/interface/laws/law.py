@@ -65,8 +65,8 @@ class Law(Declared):
     deepest = -30.0
     repulsion = 1.0
     opening_range, slip_range = 5.0, 6.0
-    gap_corners, slip_corners = (), ()
-    odd = True
+    gap_corners, slip_corners, odd = (), (), True
+    spared = {"evaluate": lambda gap, traction, tangent=None: traction}
 
     def tractions(self, a, b):
         """Normal traction N(a, b) and the friction over the slip, T(a, b) / b, as expressions of
