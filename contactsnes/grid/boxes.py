@@ -149,7 +149,8 @@ class SpotsConvolution:
         boxes, circle = len(window.parts), window.circle()
         self.transform = (make or window.grid.transform)(window.grid, circle, count * boxes)
         self._lay_out()
-        self.blocks = {key: self._couplings(operator, key, circle) for key in operator.blocks}
+        plan = operator.circle(circle)
+        self.blocks = {key: self._couplings(operator, key, plan) for key in operator.blocks}
 
     def _lay_out(self):
         """Find where the boxes are on the circles of the transform, and room to multiply blocks."""
@@ -160,7 +161,7 @@ class SpotsConvolution:
         self._sums = np.empty_like(self._spectrum)
         self._inside = (slice(None), slice(None), *(slice(0, n) for n in self.window.shape))
 
-    def _couplings(self, operator, key, circle):
+    def _couplings(self, operator, key, plan):
         """Half spectra (to box, from box, waves) of a block's kernel between boxes."""
         parts, extents = self.window.parts, self.window.shape
         found = np.empty((len(parts), *self._spectrum.shape[1:]), dtype=complex)
@@ -169,7 +170,7 @@ class SpotsConvolution:
         sign = 1.0 if np.isrealobj(operator.blocks[key]) else -1.0
         for i, part in enumerate(parts):
             for j, other in enumerate(parts[:i + 1]):
-                found[i, j] = operator.between(key, extents, circle,
+                found[i, j] = operator.between(key, extents, plan,
                                                np.subtract(part.start, other.start)).reshape(-1)
                 if i != j:
                     np.multiply(sign, found[i, j].conj(), out=found[j, i])

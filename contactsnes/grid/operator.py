@@ -58,11 +58,15 @@ class Operator:
         shape = window.circle()
         if shape == self.grid.shape:
             return self.blocks[key]
-        symbol = self.between(key, window.shape, shape, (0,) * len(shape))
+        symbol = self.between(key, window.shape, self.circle(shape), (0,) * len(shape))
         # An even block stays even on the circle.
         return symbol.real.copy() if np.isrealobj(self.blocks[key]) else symbol
 
-    def between(self, key, extents, circle, offset):
+    def circle(self, shape):
+        """A transform on a circle of some points in each direction, for `between`."""
+        return self._make(self.grid, shape, 1)
+
+    def between(self, key, extents, plan, offset):
         """The block on a circle for the response of a box of given extents to another, ``offset``
         nodes before it.
 
@@ -70,16 +74,16 @@ class Operator:
         ----------
         key : (i, j), components of the block
         extents : nodes of either box in each direction
-        circle : points of the circle in each direction
+        plan : transform on the circle
         offset : nodes from the second box to the first in each direction
         """
-        plan, kernel = self._make(self.grid, circle, 1), self.kernel(key)
+        kernel = self.kernel(key)
         plan.real[...] = 0.0
-        for runs in product(*map(_runs, extents, circle, offset, self.grid.shape)):
+        for runs in product(*map(_runs, extents, plan.shape, offset, self.grid.shape)):
             there, lags = zip(*runs)
             plan.real[0][there] = kernel[lags]
         plan.forward()
-        return plan.spectrum[0] / math.prod(circle)
+        return plan.spectrum[0] / math.prod(plan.shape)
 
 
 def _runs(extent, points, offset, total):
