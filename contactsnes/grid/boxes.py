@@ -149,8 +149,7 @@ class SpotsConvolution:
         boxes, circle = len(window.parts), window.circle()
         self.transform = (make or window.grid.transform)(window.grid, circle, count * boxes)
         self._lay_out()
-        plan = operator.circle(circle)
-        self.blocks = {key: self._couplings(operator, key, plan) for key in operator.blocks}
+        self.blocks = {key: self._couplings(operator, key) for key in operator.blocks}
 
     def _lay_out(self):
         """Find where the boxes are on the circles of the transform, and room to multiply blocks."""
@@ -161,12 +160,12 @@ class SpotsConvolution:
         self._sums = np.empty_like(self._spectrum)
         self._inside = (slice(None), slice(None), *(slice(0, n) for n in self.window.shape))
 
-    def _couplings(self, operator, key, plan):
+    def _couplings(self, operator, key):
         """Half spectra (to box, from box, waves) of a block's kernel between boxes."""
         parts, extents = self.window.parts, self.window.shape
+        plan = operator.circle(self.transform.shape)
         found = np.empty((len(parts), *self._spectrum.shape[1:]), dtype=complex)
-        # The kernel of a real block is even, that of an imaginary one odd: the way back is the
-        # conjugate of the way there.
+        # Kernels of real blocks are even, those of imaginary ones odd: conjugates, there and back.
         sign = 1.0 if np.isrealobj(operator.blocks[key]) else -1.0
         for i, part in enumerate(parts):
             for j, other in enumerate(parts[:i + 1]):
