@@ -8,14 +8,14 @@ import re
 import subprocess
 import sys
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import fields as fields_of
 from pathlib import Path
 
 import numpy as np
 from tqdm import tqdm
 
-from ..options.arguments import a_path, several, unfit
+from ..options.arguments import a_path, of_class, several, unfit, whole
 from ..options.database import database
 from ..options.fields import InputError, as_text, meant
 from ..options.values import instance
@@ -84,8 +84,8 @@ class Sweep(Mapping):
             self._records[values] = record
 
     def take(self, name, pick=lambda column: column[-1]):
-        """One number a run, an array: by default the last one of a column; nan where a run has no
-        points.
+        """One number a combination of values, an array: by default the last one of a column; nan
+        where a run has no points.
 
         Parameters
         ----------
@@ -93,7 +93,7 @@ class Sweep(Mapping):
         pick : function (array) -> number, for instance max
         """
         return np.array([pick(self[values][name]) if values in self else np.nan
-                         for values in _cases(self.parameters)])
+                         for values in _combined(self.parameters)])
 
 
 def sweep(scene, load, *, folder="sweep", jobs=1, steps=None, form=None, fields="none",
@@ -122,8 +122,8 @@ def sweep(scene, load, *, folder="sweep", jobs=1, steps=None, form=None, fields=
     ------
     InputError : before any run, for a name or a value that is not allowed
     """
-    joblib, given = _joblib(jobs), of_run(scene, load, steps, form)
-    options = _words(load, *given) | _petsc() | {"archive_fields": fields}
+    joblib = _joblib(jobs)
+    options = _given(fields, load, *of_run(scene, load, steps, form))
     parameters = {name: _listed(name, values) for name, values in parameters.items()}
     found, cases = Sweep(parameters, folder), _cases(parameters)
     tasks = [(values, _checked(scene, cases[values], options), found.folder / f"{name}.h5", jobs)
@@ -160,7 +160,7 @@ def _joblib(jobs):
     """The library that runs several jobs, None for one; InputError for another number, or where
     there are several processes already."""
     _refuse_launched()
-    if not isinstance(jobs, int) or isinstance(jobs, bool) or jobs < 1:
+    if (jobs := whole("jobs", jobs, "a whole number at least 1")) < 1:
         raise InputError(f"jobs is '{jobs}': allowed is a whole number at least 1")
     return extra("joblib", "sweep", f"sweep with jobs={jobs}") if jobs > 1 else None
 
@@ -168,7 +168,10 @@ def _joblib(jobs):
 def _listed(name, values):
     """The values of a parameter, a list; InputError for what is none, or an empty one."""
     example = "a list of its values, as in normal_maugis=[1, 2]"
-    if found := several(name, values, example):
+    found = [value.tolist() if isinstance(value, np.ndarray) else value
+             for value in several(name, values, example)]
+    found = [tuple(value) if isinstance(value, list) else value for value in found]
+    if found and all(isinstance(value, Hashable) for value in found):
         return found
     raise unfit(name, values, example)
 
@@ -177,8 +180,14 @@ def _cases(parameters):
     """Values, one or a tuple -> the parameters by name, of all combinations."""
     if not parameters:
         raise InputError("a sweep needs values of a parameter: for instance normal_maugis=[1, 2]")
-    return {values if len(values) > 1 else values[0]: dict(zip(parameters, values))
-            for values in itertools.product(*parameters.values())}
+    return dict(zip(_combined(parameters), (dict(zip(parameters, values)) for values
+                                            in itertools.product(*parameters.values()))))
+
+
+def _combined(parameters):
+    """All combinations of values, a list of one or a tuple each, as often as they are given."""
+    return [values if len(values) > 1 else values[0]
+            for values in itertools.product(*parameters.values())]
 
 
 def _run(values, words, path, jobs):
@@ -212,6 +221,12 @@ def _is_done(path, words):
     return all(made.get(name.lower()) == " ".join(value.split()) for name, value in words.items())
 
 
+def _given(fields, *instances):
+    """Options that all runs have: of fields, of instances, and PETSc's own."""
+    fields = of_class("fields", fields, str, "none, last or all, a text")
+    return _words(*instances) | _petsc() | {"archive_fields": fields}
+
+
 def _words(*instances):
     """Name -> text of the options of instances that are no defaults."""
     return {instance.option_name(field.name)[1:]: as_text(getattr(instance, field.name))
@@ -225,7 +240,9 @@ def _scene_words(scene, case):
     known = {field.name: field for field in fields_of(Scene)}
     for name in case:
         if name not in known and not name.startswith(OURS):
-            raise InputError(f"{name} is no option of scenes" + meant(name, known))
+            raise InputError(f"{name} is no option of scenes" + meant(
+                name, known, ": others have their prefix, "
+                f"{', '.join(prefix for prefix in OURS if prefix != Scene.prefix)}"))
     rivals = {one: other for pair in RIVALS for one, other in (pair, pair[::-1])}
     given = {name: value for name, value in scene.stated().items()
              if rivals.get(name) not in case}

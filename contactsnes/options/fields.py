@@ -138,10 +138,10 @@ def _shown(value, items, rule):
     """A value as a sentence has it that refuses it: as it is typed, and what it is, where its text
     would do."""
     text = as_text(value)
-    if not text or rule["kind"] == "text":
-        return f"'{text}'"
     if isinstance(value, (tuple, list)) and rule["many"] is None:
         return f"'{text}', a list"
+    if not text or rule["kind"] == "text":
+        return f"'{text}'"
     told = {str: "text", bytes: "bytes", float: "a number with a decimal point"}
     for item in items:
         kind = told.get(type(item), "")
@@ -252,7 +252,8 @@ class Options:
         for name in names:
             if name not in cls.__dataclass_fields__:
                 known = [field.name for field in dataclasses.fields(cls)]
-                raise InputError(f"{name} is no option of {cls.__name__}" + meant(name, known))
+                raise InputError(f"{name} is no option of {cls.__name__}"
+                                 + meant(name, known, f": it has {', '.join(known)}"))
 
     def __post_init__(self):
         cls = type(self)

@@ -7,7 +7,7 @@ SLIP = 0.92
 """How alike names are, by `difflib`, that a slip of the finger tells apart."""
 
 
-def nearest(name, names, cutoff=0.4):
+def nearest(name, names, cutoff=0.5):
     """The one of some names that a name most likely stands for, or an empty text where none is
     like it: one that a slip of the finger tells apart, else one that has all its words, in
     whatever order (scene_maugis: scene_normal_maugis), else one that begins with it, else the one
@@ -27,7 +27,7 @@ def nearest(name, names, cutoff=0.4):
         for among, least in ((names, SLIP), (having_all, 0.0), (longer, 0.0), (names, 0.0))), "")
 
 
-def meant(name, names, otherwise="", prefix="", cutoff=0.4):
+def meant(name, names, otherwise="", prefix="", cutoff=0.5):
     """How a sentence about a name that is none ends: with the one that may be meant, or otherwise.
 
     Parameters

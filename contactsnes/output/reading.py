@@ -27,7 +27,7 @@ class NoColumn(KeyError):
 
 class Record(Mapping):
     """An archive as it was when read: a mapping of columns to arrays, of enumerations to arrays of
-    names.
+    names, which cannot be written into (copy them).
 
     Parameters
     ----------
@@ -83,6 +83,8 @@ class Record(Mapping):
         self._add(attributes["fields"])
         for name, names in self.names.items():
             self._columns[name] = np.array(names)[self._columns[name]]
+        for column in self._columns.values():
+            column.flags.writeable = False
 
     def _check(self, file, parts):
         """Raise if frame or rows are not those that were written; archives of older programs cannot
@@ -116,6 +118,8 @@ class Record(Mapping):
 
     def __contains__(self, name):
         return name in self._columns
+
+    __eq__, __hash__ = object.__eq__, object.__hash__  # columns are arrays
 
     def __iter__(self):
         return iter(self._columns)

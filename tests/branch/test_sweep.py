@@ -8,7 +8,7 @@ import processes
 import pytest
 
 from contactsnes import Branch, Form, Load, Scene, Steps, read, reference, sweep
-from contactsnes.branch.sweep import _cases, _is_done, _scene_words, _stems
+from contactsnes.branch.sweep import Sweep, _cases, _is_done, _listed, _scene_words, _stems
 from contactsnes.contact import observables
 from contactsnes.options.fields import InputError
 from contactsnes.output import archive as archives
@@ -250,6 +250,21 @@ def test_a_sweep_of_several_processes_is_refused(monkeypatch, tmp_path):
         sweep(Scene(**SMALL), Load(path="normal_displacement=1"), normal_maugis=[1.0],
               folder=tmp_path / "study")
     assert not (tmp_path / "study").exists()
+
+
+def test_values_of_a_sweep_are_numbers_or_tuples():
+    """Those of an array in two dimensions ended in a TypeError."""
+    assert _listed("points", np.array([[64, 32], [32, 32]])) == [(64, 32), (32, 32)]
+    assert _listed("points", [[64, 32], 16]) == [(64, 32), 16]
+    with pytest.raises(InputError, match="^points is .*: give a list of its values"):
+        _listed("points", [{"a": 1}])
+
+
+def test_numbers_of_a_sweep_are_as_many_as_its_values(tmp_path):
+    """Of values that are given twice there was one, and others stood beside another value."""
+    study = Sweep({"normal_maugis": [1.0, 1.0, 2.0]}, tmp_path)
+    study._records.update({1.0: {"force": np.array([3.0])}, 2.0: {"force": np.array([4.0])}})
+    assert list(study.take("force")) == [3.0, 3.0, 4.0]
 
 
 def test_names_of_archives_are_those_of_files():

@@ -170,6 +170,7 @@ def test_threads_take_turns():
     ({"period": "20"}, "-scene_period is '20', text: allowed is a number above 0"),
     ({"period": b"20"}, "-scene_period is 'b'20'': allowed is a number above 0"),
     ({"normal_maugis": [1.0]}, "-scene_normal_maugis is '1', a list: allowed is a number"),
+    ({"qqq": 1}, "qqq is no option of Scene: it has "),
     ({"normal_maugis": 10 ** 400}, "-scene_normal_maugis is '1000"),
     ({"normal_maugis": np.ma.masked}, "-scene_normal_maugis is '': allowed is a number")))
 def test_values_of_another_type_whose_text_would_do(options, sentence):
@@ -182,3 +183,19 @@ def test_numbers_of_numpy_are_those_of_python():
     assert made == Scene(dimension=2, points=(32, 48), period=(8.0, 12.0), normal_maugis=0.5,
                          geometry="flat")
     assert Steps(locate_folds=np.True_).locate_folds is True
+
+
+def test_columns_of_a_record_are_those_of_its_file(archive):
+    """A script wrote into them, and the record told what the file has not."""
+    record = read(archive)
+    with pytest.raises(ValueError, match="read-only"):
+        record["normal_force"][0] = 3.0
+    assert record == record != read(archive) and record in {record}
+
+
+def test_a_record_is_drawn_as_its_file_is(archive, tmp_path):
+    both = [plot(kept, output=tmp_path) for kept in (read(archive), archive)]
+    assert both[0] == both[1] and both[0].skipped
+    told(lambda: plot(archive, columns=["force", "leg"], output=tmp_path),
+         f"-plot_columns: {archive} has no column force of numbers: did you mean normal_force?")
+    told(lambda: plot(archive, style=["ggplot"]), "-plot_style is 'ggplot', a list: allowed is ")

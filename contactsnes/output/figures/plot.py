@@ -33,7 +33,7 @@ from ...options.fields import InputError
 from ..asked import PlotOptions, listed
 from ..files import ArchiveError, wanting
 from ..prefixes import alike, read
-from ..reading import NoColumn
+from ..reading import NoColumn, Record
 from .curves import draw_columns, together
 from .data import NothingToShow, choose_points
 from .loads import draw_approach, draw_area, draw_shear
@@ -57,7 +57,8 @@ def plot(path, output=None, pdf=False, points=None, **options):
 
     Parameters
     ----------
-    path : path of the archive, or a list of them, whose curves then stand in common figures
+    path : path of the archive, or a Record, or a list of them, whose curves then stand in common
+        figures
     output : folder of the figures; by default that of the (first) archive
     pdf : bool, whether to write each figure as PDF, too
     points : list of int, points of profiles and maps, counted from 0 or, if negative, from the end;
@@ -77,12 +78,12 @@ def plot(path, output=None, pdf=False, points=None, **options):
         If an option is not allowed, or does not fit the archives.
     """
     joint = isinstance(path, (list, tuple))
-    if not (paths := list(path) if joint else [path]):
+    paths = [one.path if isinstance(one, Record) else one for one in (path if joint else [path])]
+    if not paths:
         raise InputError("there is no archive to plot: give the path of one, or a list of them")
     if points is not None:
         points = several("points", points, "a list of whole numbers, from 0 or from the end")
-    asked = PlotOptions(**{"with_" if name == "measured" else name: value
-                           for name, value in options.items()},
+    asked = PlotOptions(**_by_name(options),
                         points=",".join(map(str, points or ())),
                         output="" if output is None else str(output))
     if pdf:
@@ -90,6 +91,14 @@ def plot(path, output=None, pdf=False, points=None, **options):
     if joint and not asked.together:
         asked = replace(asked, together="together")
     return next(iter(list(draw(paths, asked))))
+
+
+def _by_name(options):
+    """Options of `plot` as those of ``PlotOptions``: several columns as a text."""
+    columns = options.get("columns")
+    return {"with_" if name == "measured" else name:
+            ",".join(map(str, value)) if value is columns and isinstance(value, (list, tuple))
+            else value for name, value in options.items()}
 
 
 def draw(paths, asked):
