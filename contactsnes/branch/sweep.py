@@ -10,6 +10,7 @@ import sys
 from collections import Counter
 from collections.abc import Hashable, Mapping
 from dataclasses import fields as fields_of
+from itertools import starmap
 from pathlib import Path
 
 import numpy as np
@@ -128,11 +129,11 @@ def sweep(scene, load, *, folder="sweep", jobs=1, steps=None, form=None, fields=
     found, cases = Sweep(parameters, folder), _cases(parameters)
     tasks = [(values, _checked(scene, cases[values], options), found.folder / f"{name}.h5", jobs)
              for values, name in _stems(cases).items()]
+    # Here: a thread that reads when the program is interrupted keeps HDF5's lock, at its end, too.
+    tasks = [(*task, _is_done(task[2], task[1])) for task in tasks]
     _make(found.folder)
-    # The processes are the runs' own: here threads wait for them.
     ended = (joblib.Parallel(n_jobs=jobs, prefer="threads", return_as="generator")(
-        joblib.delayed(_run)(*task) for task in tasks) if joblib else (_run(*task)
-                                                                       for task in tasks))
+        joblib.delayed(_run)(*task) for task in tasks) if joblib else starmap(_run, tasks))
     for values, path, why in tqdm(ended, total=len(tasks), disable=not progress, unit="run"):
         found.take_in(values, path, why)
     return found
@@ -190,10 +191,10 @@ def _combined(parameters):
             for values in itertools.product(*parameters.values())]
 
 
-def _run(values, words, path, jobs):
+def _run(values, words, path, jobs, done):
     """Run a case in a process unless it is done; (values, path of its archive, None where it was
     refused, why it ended early, or what it lacks, or an empty text)."""
-    if _is_done(path, words):
+    if done:
         return values, path, ""
     arguments = [part for name, value in words.items()
                  for part in ([f"-{name}", value] if value else [f"-{name}"])]

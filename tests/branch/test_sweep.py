@@ -1,5 +1,6 @@
 """Sweeps, branches that begin at a point of an archive, and what objects say of themselves."""
 
+import threading
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -8,6 +9,7 @@ import processes
 import pytest
 
 from contactsnes import Branch, Form, Load, Scene, Steps, read, reference, sweep
+from contactsnes.branch import sweep as sweeps
 from contactsnes.branch.sweep import Sweep, _cases, _is_done, _listed, _scene_words, _stems
 from contactsnes.contact import observables
 from contactsnes.options.fields import InputError
@@ -265,6 +267,17 @@ def test_numbers_of_a_sweep_are_as_many_as_its_values(tmp_path):
     study = Sweep({"normal_maugis": [1.0, 1.0, 2.0]}, tmp_path)
     study._records.update({1.0: {"force": np.array([3.0])}, 2.0: {"force": np.array([4.0])}})
     assert list(study.take("force")) == [3.0, 3.0, 4.0]
+
+
+def test_threads_of_a_sweep_read_nothing(tmp_path, monkeypatch):
+    """One that read an archive when the program was interrupted kept HDF5's lock for ever."""
+    pytest.importorskip("joblib")
+    asked = []
+    monkeypatch.setattr(sweeps, "_is_done",
+                        lambda *_: not asked.append(threading.current_thread()))
+    assert not sweep(Scene(**SMALL), Load(path="normal_force=1"), folder=tmp_path, jobs=2,
+                     normal_maugis=[1.0, 2.0], progress=False)
+    assert asked == [threading.main_thread()] * 2
 
 
 def test_names_of_archives_are_those_of_files():
