@@ -3,9 +3,9 @@
 import numpy as np
 
 FARTHER = 4.0
-"""How many times as far as the farthest node of a window, or as the mean, nodes outside of it are
-taken to move: of a half-space, on which tractions change in the window alone, none moves farther
-than those."""
+"""How many times as far as the farthest node of a window, in any direction, or as the mean, nodes
+outside of it are taken to move to the flat: of a half-space without friction, on which tractions
+change in the window alone, none moves farther than those."""
 
 
 class Outside:
@@ -23,7 +23,7 @@ class Outside:
 
     def __init__(self, contact, equations, scatters):
         self._contact, self._equations, self._scatters = contact, equations, scatters
-        self._known = None  # normal gap on the window, mean, and room when they were last made
+        self._known = None  # gap on the window, normal mean, and room when they were last made
 
     def free(self, motion, sure):
         """Whether no node outside is within the law's range.
@@ -42,11 +42,11 @@ class Outside:
             return False
         if contact.convex and not near:
             return True
-        if not sure and self._known and self._still_far(now.gap[0], motion.means()[0]):
+        if not sure and self._known and self._still_far(now.gap, motion.means()[0]):
             return True
         state, elastic = motion.state(), self._equations.unfolded(now.elastic)
         room = contact.grid.minimum(contact.gap_outside(state, elastic)) - certain
-        self._known = now.gap[0], state.means[0], room
+        self._known = now.gap, state.means[0], room
         return room >= 0.0
 
     def _still_far(self, gap, mean):
