@@ -23,11 +23,9 @@ def shares(total, size, unit=1):
     Parameters
     ----------
     total, size : int
-    unit : int, of whose common divisor with the total the numbers are multiples, where that leaves
-        something for each process
+    unit : int, of whose common divisor with the total the numbers are multiples
     """
     unit = math.gcd(total, unit)
-    unit = unit if total // unit >= size else 1
     parts = (share(total // unit, rank, size) for rank in range(size))
     return [(unit * part.start, unit * (part.stop - part.start)) for part in parts]
 

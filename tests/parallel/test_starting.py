@@ -148,10 +148,9 @@ print(*["found"] * (MPI.COMM_WORLD.rank == 0), *found)
 
 @together
 def test_claims_of_a_shape_are_looked_at_as_by_one_process(tmp_path):
-    """Of 20 rows one of six processes has none, and no row of the first one is its mirror
-    image's."""
+    """Of 24 rows, of which each of six processes has four, few are mirror images of one's own."""
     (tmp_path / "claims.py").write_text(CLAIMS)
-    text = ASKED.format(words=[*PLANE, "-scene_points", "20"], names=NAMES)
+    text = ASKED.format(words=[*PLANE, "-scene_points", "24"], names=NAMES)
     one, several = (program(size, text, tmp_path) for size in (1, 6))
     assert one.returncode == several.returncode == 0, several.stderr
     status = [0 if name in ("Claims", "Ridge") else 2 for name in NAMES]
