@@ -17,6 +17,9 @@ from .survey import gaps_once
 STRETCH = 0.25
 """Part of its length by which a piece between ends of pressure and fronts may grow or shrink in a
 step: more of it changes than is stretched."""
+STEEP = 4.0
+"""How many times as far as states extrapolated at fixed nodes lead, or a range of the law, those
+that follow edges may lead from the last one on a rough surface."""
 SUPPORT = 12
 """Nodes beyond a place on which the coefficients of a cubic spline there depend (by more than
 1e-7)."""
@@ -38,6 +41,12 @@ def follow_edge(contact, states, weights):
     states : list of State, oldest first
     weights : numbers, one a state
     """
+    ahead = _ahead(contact, states, weights)
+    return None if ahead is None or _astray(contact, states, weights, ahead) else ahead
+
+
+def _ahead(contact, states, weights):
+    """What `follow_edge` finds, wherever that leads."""
     window = states[-1].window
     if isinstance(window, Nodes):
         return _follow_on_nodes(contact, states, weights)
@@ -56,8 +65,25 @@ def _follow_on_nodes(contact, states, weights):
     if not 0 < contact.grid.largest(count) <= MOST:
         return None
     box = [State(window.hull, onto(state, window.hull), state.means) for state in states]
-    ahead = follow_edge(contact, box, weights)
+    ahead = _ahead(contact, box, weights)
     return ahead and State(window, ahead.displacement[:, window.places], ahead.means)
+
+
+def _astray(contact, states, weights, ahead):
+    """Whether a state that follows edges leads much farther from the last one than states at fixed
+    nodes do: on a steep surface heights beside a node tell nothing of its own.
+
+    Parameters
+    ----------
+    contact, states, weights : as of `follow_edge`
+    ahead : State
+    """
+    if contact.convex:
+        return False
+    grid, nodes, (last, moved, *earlier) = alike(contact, [states[-1]], [ahead, *states[:-1]])
+    way, far = (grid.maximum(np.abs(values - last))
+                for values in (weighted([*earlier, last], weights), moved))
+    return far > STEEP * max(way, 1.0)
 
 
 def _follow_spot(contact, states, weights):

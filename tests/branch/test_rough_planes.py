@@ -16,7 +16,7 @@ from contactsnes.branch import coarse_motion, crossing  # noqa: E402
 from contactsnes.branch.coarser import resolving  # noqa: E402
 from contactsnes.branch.corrector import Corrector  # noqa: E402
 from contactsnes.branch.departure import Departure  # noqa: E402
-from contactsnes.contact import states  # noqa: E402
+from contactsnes.contact import edges, states  # noqa: E402
 from contactsnes.contact.energies import stored  # noqa: E402
 from contactsnes.contact.problem import DISPLACEMENT, FORCE  # noqa: E402
 from contactsnes.continuation.points import (  # noqa: E402
@@ -371,3 +371,18 @@ def test_a_force_that_begins_where_it_does_not_hold_the_body_leads_away_from_the
         assert jump.displacements[0] > first.displacements[0] + 0.01
         assert points[-1].forces[0] == force
     assert all(point.stable != 0 for point in points)
+
+
+def test_predictions_on_steep_planes_do_not_follow_edges_astray(monkeypatch):
+    """Few spots, of heights that change by many ranges from node to node: what follows their edges
+    leads far off, is not taken, and no step is refused."""
+    scene = Scene(dimension=2, geometry="rough", rough_on="flat", period=24.0, rough_longest=6.0,
+                  rough_shortest=0.75, rough_slope=20.0, rough_seed=3, normal_maugis=2.0,
+                  points=256)
+    load = Load(start="normal_displacement=0.5", path="normal_displacement=4")
+    said = []
+    points = list(Branch(scene, load, log=said.append))
+    assert len(points) == 22 and not any("failed" in sentence for sentence in said)
+    monkeypatch.setattr(edges, "STEEP", np.inf)
+    list(Branch(scene, load, log=said.append))
+    assert any("failed" in sentence for sentence in said)
