@@ -123,11 +123,12 @@ def test_lines_and_even_contacts_have_none():
 
 
 def test_processes_have_whole_patches():
-    """Rows are multiples of four, of two where the cell is, of one where that is not enough for
+    """Rows are multiples of four, of two where the cell is, also where these are not enough for
     all."""
     assert shares(64, 3, 4) == [(0, 24), (24, 20), (44, 20)]
     assert shares(18, 2, 4) == [(0, 10), (10, 8)]
-    assert shares(8, 3, 4) == shares(8, 3) == [(0, 3), (3, 3), (6, 2)]
+    assert shares(8, 3, 4) == [(0, 4), (4, 4), (8, 0)]
+    assert shares(8, 3) == [(0, 3), (3, 3), (6, 2)]
 
 
 def rough(**changes):
