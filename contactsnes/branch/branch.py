@@ -189,10 +189,8 @@ class Branch:
         names only; its ``stiffness``, which takes a linear solve, by its name only."""
         names = observables.named(names, observables.table(self.scene), STIFFNESS)
         others = [name for name in names if name != STIFFNESS]
-        with self.contact.turn:
-            found = observables.observe(self.contact, point, others)
-            return {name: found[name] if name in found else self.stiffness(point)
-                    for name in names}
+        found = observables.observe(self.contact, point, others)
+        return {name: found[name] if name in found else self.stiffness(point) for name in names}
 
     def stiffness(self, point):
         """dW/dD at a point (`Tracer.stiffness`), in the units of the scene."""

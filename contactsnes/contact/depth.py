@@ -46,14 +46,16 @@ def of_start(contact, controls, load):
             return coarse
     # Each trial of what the flat carries is a transform of the cell; a start need not be exact in
     # that.
-    return _first_root(excess, grid, gap, 1e-3 if control == FORCE or compliance else 1e-12)
+    return _first_root(excess, contact, lowest,
+                       1e-3 if control == FORCE or compliance else 1e-12)
 
 
-def _first_root(excess, grid, gap, precision):
-    """The least depth at which a function is zero, the largest gap where it is nowhere: what the
-    flat carries rises with the depth first and falls again towards full contact."""
-    tried = [grid.minimum(gap), *grid.quantiles(gap, (0.01, 0.03, 0.1, 0.2, 0.4, 0.7)),
-             grid.maximum(gap)]
+def _first_root(excess, contact, lowest, precision):
+    """The least depth, from the lowest gap on, at which a function is zero, the largest gap where
+    it is nowhere: what the flat carries rises with the depth first and falls again towards full
+    contact."""
+    gap, grid = contact.initial_gap, contact.grid
+    tried = [lowest, *grid.quantiles(gap, (0.01, 0.03, 0.1, 0.2, 0.4, 0.7)), grid.maximum(gap)]
     above = next((k for k, depth in enumerate(tried) if k and excess(depth) > 0.0), None)
     return tried[-1] if above is None else bracketed_root(excess, tried[above - 1], tried[above],
                                                           rtol=precision)

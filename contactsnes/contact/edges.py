@@ -80,7 +80,7 @@ def _astray(contact, states, weights, ahead):
     """
     if contact.convex:
         return False
-    grid, nodes, (last, moved, *earlier) = alike(contact, [states[-1]], [ahead, *states[:-1]])
+    grid, _, (last, moved, *earlier) = alike(contact, [states[-1]], [ahead, *states[:-1]])
     way, far = (grid.maximum(np.abs(values - last))
                 for values in (weighted([*earlier, last], weights), moved))
     return far > STEEP * max(way, 1.0)

@@ -95,10 +95,10 @@ def plot(path, output=None, pdf=False, points=None, **options):
 
 def _by_name(options):
     """Options of `plot` as those of ``PlotOptions``: several columns as a text."""
-    columns = options.get("columns")
-    return {"with_" if name == "measured" else name:
-            ",".join(map(str, value)) if value is columns and isinstance(value, (list, tuple))
-            else value for name, value in options.items()}
+    found = {"with_" if name == "measured" else name: value for name, value in options.items()}
+    if isinstance(found.get("columns"), (list, tuple)):
+        found["columns"] = ",".join(map(str, found["columns"]))
+    return found
 
 
 def draw(paths, asked):
