@@ -91,7 +91,7 @@ def settle(system, state, controls, load, where, origin=None):
         # On which side of touching, where it is held or not, rounding left it.
         held = nearing.touching(system.contact, point.state)
         point = with_works(system.solve(held, controls, load), point)
-    if origin is not None and rough(system.contact, len(controls)):
+    if origin is not None and rough(system.contact, len(controls), True):
         system.log(f"a jump {where}: {places.moved(system.contact, origin, point.state)}")
     return point
 

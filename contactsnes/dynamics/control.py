@@ -2,6 +2,8 @@
 
 from typing import NamedTuple
 
+from petsc4py import PETSc
+
 from ..solvers.ritz import many
 
 
@@ -26,62 +28,78 @@ class Control(NamedTuple):
 
 PATIENCE = 3
 """Stalled steps in turn that may be chance."""
-FOLLOWED, ROUGHLY = Control(1.0, 0.25, 1e-4, 1e-4), Control(2.0, 0.4, 2e-2, 0.1)
-"""Of motions whose works are summed up, and of `rough` ones that begin beside an equilibrium."""
-FREELY = Control(4.0, 0.5, 2e-2, 0.15)
-"""Of `rough` ones from elsewhere, which no unstable state is near."""
-SHEARED = Control(0.2, 0.4, 2e-2, 0.1)
+LEAST = 1e-4
+"""Least part of its right side that a linear solve of a stalled motion leaves."""
+FOLLOWED = Control(1.0, 0.25, 1e-4, 1e-4)
+"""Of motions on lines, of one spot, and of states whose symmetry these would break."""
+ROUGHLY = Control(2.0, 0.4, 2e-2, 0.1)
+"""Of `rough` ones that begin beside an equilibrium."""
+FREELY, SHEARED_FREELY = (Control(4.0, 0.5, 2e-2, left) for left in (0.15, 5e-3))
+"""Of `rough` ones from elsewhere, which no unstable state is near, of the normal component and of
+several: what linear solves leave of these would keep the motion up."""
+SHEARED = Control(0.2, 0.4, 2e-2, 1e-2)
 """Of those whose works are summed up where there are many spots: shorter steps make these more
-exact than `FOLLOWED` does, at little more than half of the iterations of its linear solves."""
-CAREFUL, MANY = {**dict.fromkeys((ROUGHLY, FREELY), Control(1.0, 0.25, 1e-2, 1e-3)),
-                 SHEARED: FOLLOWED}, 100
+exact than `FOLLOWED` does, at three quarters of its transforms."""
+CAREFUL, MANY = {**dict.fromkeys((ROUGHLY, FREELY, SHEARED_FREELY),
+                                 Control(1.0, 0.25, 1e-2, 1e-3)), SHEARED: FOLLOWED}, 100
 """What takes the place of these from so many steps on: what their linear solves and long steps
 leave may keep a motion up for ever."""
 
 
 class Exactness:
-    """What the linear solves of a motion may leave of its rate: less where that is about all that
-    moves, keeps the motion up and its steps short.
+    """What the linear solves of a motion may leave: less where that is about all that moves, keeps
+    the motion up and its steps short.
 
     Parameters
     ----------
-    left : float, norm, ranges of the law a relaxation time
+    part : float, of the right side, as `Control.exactness`
+    left : float, norm of a rate, ranges of the law a relaxation time
     """
 
-    def __init__(self, left):
-        self.left, self._stalled = left, 0
+    def __init__(self, part, left):
+        self.part, self.left, self._stalled = part, left, 0
 
-    def after(self, stalled):
-        """Take note of a step: whether it hardly moved, did not allow for a longer one, and left
-        all that it may."""
+    def after(self, stalled, reason):
+        """Take note of a step.
+
+        Parameters
+        ----------
+        stalled : bool, whether it hardly moved, and did not allow for a longer one
+        reason : PETSc's, why its linear solve ended
+        """
+        reasons = PETSc.KSP.ConvergedReason
         self._stalled = self._stalled + 1 if stalled else 0
-        if self._stalled > PATIENCE:
+        if self._stalled > PATIENCE and reason == reasons.CONVERGED_ATOL:
             self.left *= 0.5
+        elif self._stalled > PATIENCE and reason == reasons.CONVERGED_RTOL:
+            self.part = max(0.5 * self.part, LEAST)
 
 
-def rough(contact, components):
+def rough(contact, components, measured):
     """Whether nothing but the end of a motion counts: on planes whose gap is not convex, where
-    spots jump one by one, and the law's potential tells what is lost.
+    spots jump one by one, and the law's potential tells what is lost, or nobody asks for it.
 
     Parameters
     ----------
     contact : Contact
     components : int, of the motion
+    measured : bool, whether works are asked for
     """
-    return components == 1 and many(contact)
+    return many(contact) and (components == 1 or not measured)
 
 
-def control(contact, symmetry, components, beside):
+def control(contact, symmetry, components, beside, measured):
     """The `Control` of a motion.
 
     Parameters
     ----------
-    contact, components : as of `rough`
+    contact, components, measured : as of `rough`
     symmetry : symmetry.Symmetry
     beside : bool, whether it begins beside an equilibrium
     """
-    if rough(contact, components):
-        return ROUGHLY if beside else FREELY
     # what is left by solves on all nodes is not even, as states are where some components are odd
-    odd = symmetry.holds(components) and not symmetry.plain(components)
-    return SHEARED if many(contact) and beside and not odd else FOLLOWED
+    if not many(contact) or (symmetry.holds(components) and not symmetry.plain(components)):
+        return FOLLOWED
+    if rough(contact, components, measured):
+        return ROUGHLY if beside else FREELY if components == 1 else SHEARED_FREELY
+    return SHEARED if beside else FOLLOWED

@@ -144,8 +144,8 @@ def by_creep(system, state, controls, load, origin, options):
     beside = origin is not None and states.missed(contact, origin, state) <= BESIDE
     motion = OverdampedMotion(contact, system.symmetry, controls, load, state, system.totals,
                               options, system.settings.linear_precision,
-                              carried(contact, origin, state) if beside else None)
-    motion.measured = origin is not None
+                              carried(contact, origin, state) if beside else None,
+                              measured=origin is not None)
     point = at_rest(system, motion, controls, load)
     if not motion.measured:
         return point
@@ -188,7 +188,7 @@ def at_rest(system, motion, controls, load):
     motion : OverdampedMotion
     controls, load : of each component
     """
-    early = rough(system.contact, len(controls)) * (SLOWED, 0.1 * SLOWED)
+    early = rough(system.contact, len(controls), motion.measured) * (SLOWED, 0.1 * SLOWED)
     for rest, part in [*((RESTS[0], part) for part in early),
                        *((rest, 0.0) for rest in RESTS)]:
         motion.follow(rest, part)

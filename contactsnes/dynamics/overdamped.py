@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
 import numpy as np
-from petsc4py import PETSc
 
 from ..contact import places, scattered, states
 from ..continuation.points import lagrange_weights
@@ -85,18 +84,18 @@ class OverdampedMotion:
     options : MotionOptions
     precision : str, of transforms inside linear solves, as of ``-contact_linear_precision``
     elastic : array (components, nodes of the window), tractions of the body; None: those of the law
+    measured : bool, whether works are summed up
 
     Attributes
     ----------
     steps : linear systems solved
-    measured : whether works are summed up
     fastest : largest speed of a step, ranges a relaxation time
     works : array (2, components), done on the interface and against viscosity: sums over nodes,
         phi_i
     """
 
     def __init__(self, contact, symmetry, controls, load, state, totals, options=MotionOptions(),
-                 precision="double", elastic=None):
+                 precision="double", elastic=None, measured=True):
         self.contact = contact
         self.symmetry = symmetry
         self.controls = controls
@@ -104,10 +103,11 @@ class OverdampedMotion:
         self.totals = totals
         self.options, self._precision = options, precision
         self.steps = 0
-        self.measured = True
+        self.measured = measured
         self.works = np.zeros((2, len(controls)))
         self.fastest = 0.0
-        self._control = control(contact, symmetry, len(controls), elastic is not None)
+        self._control = control(contact, symmetry, len(controls), elastic is not None,
+                                measured)
         self._begin(0.0, state, elastic)
 
     def _begin(self, time, state, elastic=None):
@@ -115,7 +115,6 @@ class OverdampedMotion:
         even = self.symmetry.plain(len(self.controls))
         self.equations = equations = Equations(self.contact, state.window, even, self.controls,
                                                self.load, self._precision)
-        equations.allow(self._control)
         self._outside = Outside(self.contact, equations,
                                 self.symmetry.scatters(len(self.controls)))
         unknown = equations.pack(state.displacement, state.means)
@@ -152,7 +151,7 @@ class OverdampedMotion:
         options, begun = self.options, self.history[-1].time
         last, speed = np.inf, self.equations.size(self.rate, self._near)
         step = self._next
-        self._exactness = Exactness(min(1e-4 * options.tolerance, rest))
+        self._exactness = Exactness(self._control.exactness, min(1e-4 * options.tolerance, rest))
         while self.steps < options.steps and self.history[-1].time < LATEST:
             error, moment = self._tried(step)
             if not error <= 1.5:
@@ -196,7 +195,7 @@ class OverdampedMotion:
         leads."""
         if self.steps >= MANY and self._control in CAREFUL:
             self._control = CAREFUL[self._control]
-            self.equations.allow(self._control)
+            self._exactness.part = min(self._exactness.part, self._control.exactness)
         equations, history, allowed = self.equations, self.history, self._control
         tolerance = allowed.error * self.options.tolerance
         now = history[-1]
@@ -207,7 +206,7 @@ class OverdampedMotion:
                           for values in zip(*((moment.unknown, moment.elastic)
                                               for moment in history[-2:])))
         before = equations.spent()
-        unknown, reason = equations.newton(guess, shift, known, self._exactness.left)
+        unknown, reason = equations.newton(guess, shift, known, self._exactness)
         self.steps += 1
         for name, count in equations.spent().items():
             self.totals[name] += count - before[name]
@@ -218,8 +217,7 @@ class OverdampedMotion:
         turned = equations.size(aside, self._near) / max(moved, allowed.still)
         error = max(share * equations.size(aside, self._near, relative=True) / tolerance,
                     turned / allowed.turning, equations.returned(now.unknown, unknown))
-        self._exactness.after(error > 0.5 and moved < allowed.still
-                              and reason == PETSc.KSP.ConvergedReason.CONVERGED_ATOL)
+        self._exactness.after(error > 0.5 and moved < allowed.still, reason)
         gap = equations.gap(unknown)
         traction = self.contact.law.traction(gap)
         # The same formula for tau' = t - tau.

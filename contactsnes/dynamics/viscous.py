@@ -30,7 +30,6 @@ from ..solvers.leaving import slides, slides_away
 from ..solvers.linear import create_ksp
 from ..solvers.regularised import NewtonOptions, RegularisedStep
 from ..solvers.vectors import create_vector
-from .control import FOLLOWED
 
 
 class Near(NamedTuple):
@@ -82,18 +81,10 @@ class Equations:
         self._right, self._step, self._guess = (create_vector(self.form) for _ in range(3))
         options = read(NewtonOptions, "jump_")
         self._regularised = RegularisedStep(self.form, options.stiffness) if options.gap else None
-        self.allow(FOLLOWED)
+        given = PETSc.Options("jump_")
+        self._part = given.getReal("ksp_rtol") if given.hasName("ksp_rtol") else None
         self._iterations = 0
         self._rim = np.flatnonzero(self.folded(window.rim()))
-
-    def allow(self, missing):
-        """Have linear solves leave what a `Control` says, unless an option does.
-
-        Parameters
-        ----------
-        missing : Control
-        """
-        self._exactness = PETSc.Options("jump_").getReal("ksp_rtol", missing.exactness)
 
     def spent(self):
         """What the solves on this window cost: name -> count."""
@@ -172,7 +163,7 @@ class Equations:
         field, means = self.imbalance(unknown)
         return np.append(self._spread(means) - field, self.form.grid.held(means))
 
-    def newton(self, guess, shift, known, tolerance):
+    def newton(self, guess, shift, known, exactness):
         """x from ``shift`` x - ``known`` = x' by one Newton iteration from a guess, and PETSc's
         reason why its linear solve ended.
 
@@ -180,12 +171,13 @@ class Equations:
         ----------
         guess, known : arrays of the form's size, unknowns
         shift : float > 0, per unit of time
-        tolerance : float, norm of what the linear solve may leave of x'
+        exactness : Exactness of its linear solve, unless -jump_ksp_rtol gives one
         """
         form, ksp, count = self.form, self.ksp, self.form.count
         self._linearise(guess, shift, known)
         self.matrix.assemble()
-        ksp.setTolerances(rtol=self._exactness, atol=tolerance / (1.0 + shift))
+        part = exactness.part if self._part is None else self._part
+        ksp.setTolerances(rtol=part, atol=exactness.left / (1.0 + shift))
         callbacks.solve(ksp, (self._right, self._step))
         self._iterations += ksp.getIterationNumber()
         step = self._step.getArray()

@@ -396,8 +396,8 @@ def test_a_motion_that_is_not_confirmed_is_followed_further(self_affine, monkeyp
         return polished(system, rest, controls, load, most)
 
     class Seen(jumps.OverdampedMotion):
-        def __init__(self, *arguments):
-            super().__init__(*arguments)
+        def __init__(self, *arguments, **measured):
+            super().__init__(*arguments, **measured)
             motions.append(weakref.ref(self))
 
     motions = []

@@ -4,6 +4,7 @@ its works balance."""
 import numpy as np
 import petsc4py
 import pytest
+from petsc4py import PETSc
 from scipy.integrate import solve_ivp
 
 petsc4py.init()
@@ -289,14 +290,36 @@ def test_a_kick_is_along_the_null_vector(options):
 
 # Solves that leave as much as moves
 
-def test_solves_leave_less_where_steps_stall():
-    exactness = Exactness(1e-6)
+@pytest.mark.parametrize("ended, left", (("CONVERGED_ATOL", (1e-2, 1.25e-7)),
+                                         ("CONVERGED_RTOL", (1.25e-3, 1e-6)),
+                                         ("CONVERGED_ITS", (1e-2, 1e-6))))
+def test_solves_leave_less_of_what_ended_them_where_steps_stall(ended, left):
+    exactness, reason = Exactness(1e-2, 1e-6), getattr(PETSc.KSP.ConvergedReason, ended)
     for stalled in (True, True, True, False, True, True, True):
-        exactness.after(stalled)
-    assert exactness.left == 1e-6
+        exactness.after(stalled, reason)
+    assert (exactness.part, exactness.left) == (1e-2, 1e-6)
     for _ in range(3):
-        exactness.after(True)
-    assert exactness.left == 1.25e-7
+        exactness.after(True, reason)
+    assert (exactness.part, exactness.left) == left
+    for _ in range(20):
+        exactness.after(True, reason)
+    assert exactness.part >= min(1e-4, left[0])
+
+
+def test_what_relative_tolerances_leave_does_not_keep_a_motion_up(monkeypatch):
+    """A tenth of each right side, which the parabola through the last states makes as much again:
+    steps of a sheared rough plane stayed as long as they were, until they were given up."""
+    scene = Scene(dimension=2, geometry="rough", rough_on="flat", rough_longest=6.0,
+                  rough_shortest=2.0, rough_slope=8.0, rough_seed=1, points=64, period=12.0,
+                  poisson=0.3, normal_maugis=1.0)
+    load = Load(start="normal_displacement=1", path="tangential_displacement_x=1")
+    loose, found = control.SHEARED_FREELY._replace(exactness=0.1), {}
+    for name, used in (("loose", loose), ("own", control.SHEARED_FREELY)):
+        monkeypatch.setattr(control, "SHEARED_FREELY", used)
+        monkeypatch.setitem(control.CAREFUL, used, used)
+        found[name] = next(iter(Branch(scene, load)))
+    np.testing.assert_allclose(found["loose"].forces, found["own"].forces, rtol=1e-5, atol=1e-7)
+    assert found["loose"].spent["function_evaluations"] < 200  # 1500 where solves leave no less
 
 
 def test_what_solves_leave_does_not_keep_a_motion_up():
@@ -308,8 +331,8 @@ def test_what_solves_leave_does_not_keep_a_motion_up():
 
 
 def test_jumps_of_a_sheared_rough_plane_end_where_exact_motion_does(monkeypatch):
-    """Their works are those of more exact motion to a hundredth, at little more than half of what
-    motion takes elsewhere."""
+    """Their works are those of more exact motion to a hundredth, at three quarters of what motion
+    takes elsewhere."""
     scene = Scene(dimension=2, geometry="rough", rough_on="flat", rough_hurst=0.8,
                   rough_longest=6.0, rough_shortest=1.5, rough_slope=1.0, rough_seed=5, points=32,
                   period=12.0, height=float("inf"), normal_maugis=1.0, tangential_maugis=1.5,
@@ -322,7 +345,7 @@ def test_jumps_of_a_sheared_rough_plane_end_where_exact_motion_does(monkeypatch)
         points = list(Branch(scene, load, Steps(initial_step=0.5, largest_step=0.5)))
         found[name] = [point for point in points if point.event == "jump"]
     costs = {name: sum(weighed(point.spent) for point in points) for name, points in found.items()}
-    assert 0.0 < costs["own"] < 0.7 * costs["elsewhere"]
+    assert 0.0 < costs["own"] < 0.85 * costs["elsewhere"]
     for told, true in zip(found["own"], found["exact"], strict=True):
         np.testing.assert_allclose(told.forces, true.forces, rtol=1e-3, atol=1e-3)
         assert told.jump_work == pytest.approx(true.jump_work, rel=2e-3)
