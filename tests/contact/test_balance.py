@@ -246,7 +246,7 @@ def drawn(seed):
     return scene, heights, Load(start=f"normal_displacement={start:.3f}", path=path), form
 
 
-@pytest.mark.slow
+@pytest.mark.study
 @pytest.mark.parametrize("seed", range(40))
 def test_any_surface_is_balanced_with_symmetry_and_without(seed):
     scene, heights, load, given = drawn(seed)
@@ -341,7 +341,7 @@ def test_what_a_tall_layer_leaves_out_is_told(tmp_path):
             "0.0001 ranges" in call("info", *words, folder=tmp_path).stdout)
 
 
-@pytest.mark.slow
+@pytest.mark.study
 def test_slip_of_a_sphere_on_a_tall_layer():
     """The estimate that decides is an upper one, and not far from what a solve finds."""
     scene = Scene(dimension=2, geometry="sphere", period=math.inf, normal_maugis=1.0, height=1000.0,

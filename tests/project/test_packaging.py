@@ -89,7 +89,7 @@ def test_the_oldest_python_is_the_same_for_all_tools():
     assert re.search(r"python3\.\{[\d,]*," + asked + r"\}", taken)
 
 
-@pytest.mark.slow
+@pytest.mark.study
 @pytest.mark.parametrize("editable", [False, True])
 def test_an_installed_program_finds_its_scenes(unpacked, sources, tmp_path, editable):
     """In an environment of its own that sees the packages of this one, from any folder."""

@@ -1,4 +1,4 @@
-"""The comparison with other codes, as far as it goes without them; marked slow, with them."""
+"""The comparison with other codes, as far as it goes without them; marked as studies, with them."""
 
 import csv
 import subprocess
@@ -160,7 +160,7 @@ def test_a_peer_that_fails_says_so(problem):
     assert any("ValueError" in line for line in peers.lines("small", "warm", [base, measurement]))
 
 
-@pytest.mark.slow
+@pytest.mark.study
 def test_the_peers_agree(tmp_path):
     """Adhesion on our law finds our solution; Adhesion and Tamaas find one and the same on theirs,
     by the wall's residual."""
