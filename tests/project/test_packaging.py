@@ -90,6 +90,7 @@ def test_the_oldest_python_is_the_same_for_all_tools():
 
 
 @pytest.mark.study
+@pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")
 @pytest.mark.parametrize("editable", [False, True])
 def test_an_installed_program_finds_its_scenes(unpacked, sources, tmp_path, editable):
     """In an environment of its own that sees the packages of this one, from any folder."""
