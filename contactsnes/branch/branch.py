@@ -158,13 +158,13 @@ class Branch:
                           has_modes(self.corrector.settings), self._log, last)
         makers = [lambda points, number=number: self._leg(number, points, remarks)
                   for number in range(1, len(self.legs) + 1)]
+        stepper = steppers.stepper(self.steps, self.scene.dimension == 1 or self.contact.convex)
         points = path.branch(self.corrector, self._start, makers, predictor=self._predictor,
                              at_fold=self.steps.at_fold, stops=self.load.stops,
                              history=self.history if self.stability else unmarked(self.history),
                              certify=self.stability or (lambda point: point),
                              at_bifurcation=self.steps.at_bifurcation,
-                             stepper=steppers.stepper(self.steps, self.scene.dimension == 1
-                                                      or self.contact.convex))
+                             stepper=stepper)
         works = energies.PathEnergies(self.contact, self.history)
         grid = failures.Resolution(self.contact, self._log, last)
         try:
@@ -173,7 +173,7 @@ class Branch:
         except NotConverged as error:
             raise failures.explained(error, self.contact, any(self._sheared),
                                      lambda: self._modes(remarks.last, remarks.leg), remarks.last,
-                                     remarks.leg) from None
+                                     remarks.leg, steppers.others(stepper)) from None
 
     def _modes(self, last, leg):
         """Modes of the last point under the controls of the leg under way; None without one, or a

@@ -227,7 +227,7 @@ def _since(last, leg):
     return ": a bifurcation was passed, which -continuation_stability sign finds"
 
 
-def explained(error, contact, sheared, modes, last=None, leg=None):
+def explained(error, contact, sheared, modes, last=None, leg=None, others=()):
     """A NotConverged that says what the failure of a path is, and what to try.
 
     Parameters
@@ -239,6 +239,7 @@ def explained(error, contact, sheared, modes, last=None, leg=None):
         point or a tangent
     last : Point, the last one, if any
     leg : Leg on which the path ended, if any
+    others : options of other ways past a fold
     """
     told = beyond_rounding(contact, last)
     if told:
@@ -257,9 +258,8 @@ def explained(error, contact, sheared, modes, last=None, leg=None):
     if found.unstable:
         why = f"unstable ({found.unstable} modes, {told}){_since(last, leg)}"
     elif found.leading.real < softest:
-        along = database().get("continuation_type") == "arclength"
-        why = (f"stable, but hardly ({told}): a fold or a bifurcation is next to it; try smaller "
-               "steps" + ("" if along else ", or -continuation_type arclength"))
+        why = (f"stable, but hardly ({told}): a fold or a bifurcation is next to it; try "
+               + ", or ".join(("smaller steps", *others)))
     else:
         why = f"stable ({told}), and no fold was found: a failure of the solver; {way_out()}"
     return NotConverged(f"{error}; the last point is {why}")

@@ -46,3 +46,11 @@ def stepper(steps, located):
         return TracedSteps
     located = located if steps.locate_folds is None else steps.locate_folds
     return NaturalSteps if located else BracketingSteps
+
+
+def others(taken):
+    """Options of other ways past a fold than that of a class of steps."""
+    if issubclass(taken, ArcLengthSteps):
+        return ()
+    bracketed = () if issubclass(taken, BracketingSteps) else ("-continuation_locate_folds false",)
+    return *bracketed, "-continuation_type arclength"

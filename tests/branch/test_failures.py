@@ -12,6 +12,7 @@ from contactsnes import Branch, Contact, Load, NotConverged, Scene, Steps
 from contactsnes.branch.failures import NARROW, critical, explained, narrow, uncomputable
 from contactsnes.contact import states
 from contactsnes.contact.balance import left_by_rounding
+from contactsnes.continuation import steppers
 from contactsnes.dynamics.stability import SIGN, Stability
 from contactsnes.scene.resolution import resolution
 
@@ -167,12 +168,31 @@ def test_legs_that_begin_unstable_under_their_force_say_so(control, begins):
     assert ("a bifurcation was passed" in told) is not begins
 
 
-def test_what_is_taken_already_is_not_advised(monkeypatch):
+@pytest.mark.parametrize("steps, rough, advised", (
+    (Steps(), False, ("-continuation_locate_folds false", "-continuation_type arclength")),
+    (Steps(), True, ("-continuation_type arclength",)),
+    (Steps(locate_folds=False), False, ("-continuation_type arclength",)),
+    (Steps(type="arclength"), False, ())))
+def test_what_is_taken_already_is_not_advised(steps, rough, advised):
+    soft, others = SimpleNamespace(unstable=0, leading=0.0001 + 0j), steppers.others(
+        steppers.stepper(steps, not rough))
+    told = str(explained(NotConverged("x"), Contact(Scene(**LINE)), False, lambda: soft,
+                         others=others))
+    assert told.endswith(", or ".join(("; try smaller steps", *advised)))
+
+
+def test_a_path_advises_other_ways_than_its_own(monkeypatch):
+    def fails(*given, **rest):
+        raise NotConverged("x")
+        yield
+
     soft = SimpleNamespace(unstable=0, leading=0.0001 + 0j)
-    for given, advised in (({}, True), ({"continuation_type": "arclength"}, False)):
-        monkeypatch.setattr("contactsnes.branch.failures.database", lambda given=given: given)
-        told = str(explained(NotConverged("x"), Contact(Scene(**LINE)), False, lambda: soft))
-        assert "try smaller steps" in told and ("arclength" in told) is advised
+    monkeypatch.setattr("contactsnes.continuation.path.branch", fails)
+    branch = Branch(Scene(**LINE), Load("normal_displacement=1", "normal_displacement=1"),
+                    Steps(locate_folds=False))
+    monkeypatch.setattr(Branch, "_modes", lambda *_: soft)
+    with pytest.raises(NotConverged, match="smaller steps, or -continuation_type arclength$"):
+        next(iter(branch))
 
 
 def test_a_tall_layer_is_not_taken_for_a_critical_point():
