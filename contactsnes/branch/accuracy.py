@@ -1,11 +1,12 @@
 """Errors of points: each is solved again on a finer grid, whose solution is nearly exact beside it.
 
-The errors that are left on the finer grid decide what it has to be. Without friction they fall as a
-power of e with the spacing once the cohesive zone is resolved, in two dimensions they average out
-along the edge: half the spacing will do. Sheared lines have nodes that cross corners of the law (an
-overlap that ends, a peak that is passed), whose errors fall with the spacing squared and take
-either sign: a quarter. The edge of contact, which is interpolated between nodes, is found anew on
-half the finer spacing.
+The errors that are left on the finer grid decide what it has to be (`refinement`). Without friction
+they fall as a power of e with the spacing once the cohesive zone is resolved: half the spacing will
+do. Under shear nodes cross corners of the law (an overlap that ends, a peak that is passed), whose
+errors fall with the spacing squared, on the mean, and take either sign: a quarter on lines, a third
+on planes, where a quarter tells little more and half the spacing told less than a third of the
+error at one point of fourteen. The edge of contact, which is interpolated between nodes, is found
+anew on half the finer spacing.
 
 A shift of the same grid would be cheaper, but shows only the part of an error that depends on where
 nodes lie.
@@ -31,7 +32,7 @@ from ..scene.resolution import PINNING, resolution
 from ..scene.settings import Form, tangential_legs
 from .coarser import refined
 from .corrector import Corrector
-from .grid_choice import next_grid
+from .grid_choice import next_grid, refinement
 
 ASTRAY = 1.0
 """Ranges of the law, root mean square, that the finer grid's solution may be away where the law
@@ -115,7 +116,8 @@ class Estimator:
         return errors
 
     def _estimate(self, point):
-        system, finest = self._on(refinement(self.contact, point))
+        system, finest = self._on(refinement(len(self.contact.grid.shape),
+                                             len(point.controls) > 1))
         guess = refined(self.contact, system.contact, point.state)
         try:
             exact = system.solve(guess, point.controls, point.load)
@@ -198,11 +200,6 @@ def _values_at(point, measurement, area):
                            force in zip(point.controls, point.displacements, point.forces))
     slip = [measurement.mean(i) for i in range(1, measurement.components)]
     return normal, area, slip or [0.0], tangential or [0.0]
-
-
-def refinement(contact, point):
-    """How many times finer the grid is on which a point's errors show."""
-    return 4 if len(contact.grid.shape) == 1 and len(point.controls) > 1 else 2
 
 
 def finer_contact(contact, ratio):

@@ -10,7 +10,7 @@ from ..contact.problem import FORCE
 from ..interface import laws, shapes
 from ..scene.isolation import largest_force
 from ..scene.settings import Form, Output, Steps, loaded_legs, tangential_legs, ways
-from .grid_choice import active_part, cell_of, window_part
+from .grid_choice import active_part, again, cell_of, window_part
 from .memory import memory_of_solve
 from .theory import sliding_displacement, theory
 
@@ -22,9 +22,9 @@ SECONDS = 1.2e-9
 TRANSFORMS = {(1, False): 35.0, (1, True): 150.0, (2, False): 30.0, (2, True): 100.0}
 """Transforms that a point takes of the circle its window is solved on, by dimension and whether it
 is sheared; those in single precision count half."""
-ROUGH, COUPLED, ESTIMATED = {False: 50.0, True: 65.0}, 2.0, 4.5
+ROUGH, COUPLED, ESTIMATED = {False: 50.0, True: 65.0}, 2.0, {4: 4.5, 9: 9.5}
 """Such transforms of a gap that is known on nodes only; times as many where normal and tangential
-displacements are coupled, and where errors are estimated."""
+displacements are coupled, and where errors are estimated on a grid of so many times the nodes."""
 STEPS, STOPPED, FOLDED, JUMPING = 22, 0.65, 4, 4
 """Points of a leg with default steps, the part of a leg up to a pull-off that ends the path, points
 that a fold and the jump from it add, and times as many points where a rough plane is moved and its
@@ -71,7 +71,7 @@ def cost(scene, load, shape, output=None, steps=None, form=None):
     output, form, nodes = output or Output(), form or Form(), math.prod(shape)
     counts, loaded = _points(scene, load, steps or Steps()), loaded_legs(scene, load)
     kept = _bytes_of_fields(scene, load, nodes, output, counts)
-    more = ESTIMATED if output.errors else 1.0
+    more = ESTIMATED[again(scene, load)] if output.errors else 1.0
     seconds = START + PACKING[scene.dimension] * sum(kept) + sum(
         count * (EACH[scene.dimension] + NODE * nodes
                  + more * _solve(scene, load, nodes, form, bool(sheared)))
@@ -108,14 +108,15 @@ def _memory(scene, load, nodes, form, errors):
     load : Load
     nodes : int, of the grid
     form : Form
-    errors : bool, whether they are estimated, on a grid of four times the nodes
+    errors : bool, whether they are estimated, on a finer grid
     """
     slips, sheared = any(tangential_legs(scene, load)), any(loaded_legs(scene, load))
     whole = nodes * (scene.components if slips else 1)
     unknowns = whole * _part(scene, load, form) / _images(scene, sheared, form)
     hard = {"iterations": ITERATIONS} if _is_given(scene) and scene.dimension == 2 else {}
-    return (RUNNING + shapes.of(scene).memory(scene)
-            + (5 if errors else 1) * memory_of_solve(unknowns, whole, **hard))
+    times = 1 + again(scene, load) if errors else 1
+    solves = times * memory_of_solve(unknowns, whole, **hard)
+    return RUNNING + shapes.of(scene).memory(scene) + solves
 
 
 def _bytes_of_fields(scene, load, nodes, output, counts):

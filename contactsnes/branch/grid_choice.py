@@ -174,9 +174,27 @@ def nice_below(points):
     return max([n * power for n in (4, 5, 6) if n * power <= points], default=0)
 
 
+def refinement(dimension, sheared):
+    """How many times finer in each direction the grid is on which a point's errors show.
+
+    Parameters
+    ----------
+    dimension : int, of the interface
+    sheared : bool, whether there are tangential components
+    """
+    return (4 if dimension == 1 else 3) if sheared else 2
+
+
+def again(scene, load):
+    """How many times as much again estimates of errors take, of the memory of solves: nodes of the
+    finer grid for each of a grid's, four on lines at all."""
+    sheared = any(tangential_legs(scene, load))
+    return max(4, refinement(scene.dimension, sheared) ** scene.dimension)
+
+
 def memory_needed(scene, load, points):
-    """Bytes for the solves of a grid, a tuple, and of the one with four times its nodes that its
-    errors are estimated on.
+    """Bytes for the solves of a grid, a tuple, and of the finer one that its errors are estimated
+    on.
 
     Parameters
     ----------
@@ -185,7 +203,7 @@ def memory_needed(scene, load, points):
     points : tuple of int, one a direction
     """
     cell = (scene.components if any(tangential_legs(scene, load)) else 1) * math.prod(points)
-    return 5 * memory_of_solve(window_part(scene, load) * cell, cell)
+    return (1 + again(scene, load)) * memory_of_solve(window_part(scene, load) * cell, cell)
 
 
 @lru_cache(maxsize=8)

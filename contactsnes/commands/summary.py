@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from ..branch.grid_choice import reason
+from ..branch.grid_choice import again, reason
 from ..branch.memory import memory_of_solve
 from ..contact import states
 from ..contact.scattered import on_nodes
@@ -233,7 +233,8 @@ def about_unknowns(settings, branch):
     if window.total < branch.contact.grid.size:
         lines.append("the window grows with the contact, and the unknowns with it")
     whole = (scene.components if any(sheared_legs) else 1) * branch.contact.grid.size
-    estimates = "; to estimate errors, four times as much again" if settings.estimates else ""
+    times = {4: "four", 9: "nine"}[again(scene, settings.load)]
+    estimates = f"; to estimate errors, {times} times as much again" if settings.estimates else ""
     return lines + [f"memory: up to {_megabytes(largest, whole)} on the window "
                     f"at the start, {_megabytes(whole, whole)} on the whole "
                     f"cell{estimates}, besides Python and its libraries"]
