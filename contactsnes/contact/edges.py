@@ -233,20 +233,25 @@ def carried(contact, changes, origin, state):
     if not changes:
         return []
     window, count = state.window, state.components
+    if isinstance(window, Nodes) and contact.convex:
+        hull = window.hull
+        *changes, origin, state = (State(hull, onto(each, hull), each.means)
+                                   for each in (*changes, origin, state))
+        return [State(window, found.displacement[:, window.places], found.means)
+                for found in carried(contact, changes, origin, state)]
     together = State(changes[0].window, np.concatenate([change.displacement for change in changes]),
                      np.zeros(count * len(changes)))
     fixed = onto(together, window)
     fixed = fixed.copy() if fixed is together.displacement else fixed
-    known = (None if isinstance(window, Nodes) or contact.grid.shared
-             else followed_places(contact, [origin, state]))
+    known = None if isinstance(window, Nodes) else followed_places(contact, [origin, state])
     if known is not None:
-        part, _ = _near_part(window, normal_gap(contact, state) < contact.law.range)
+        part, near = _near_part(window, normal_gap(contact, state) < contact.law.range)
         places = known[0] + nodes_between(window, origin.window)[:, None]
         together.displacement[0] -= contact.gap_on(together.window)
         if isinstance(together.window, Nodes):
             together = wider(together, window)
-        window.box(fixed)[(slice(None), *part)] = _stretched(contact, together, window, places,
-                                                             known[1], part)
+        moved = _stretched(contact, together, window, places, known[1], part)
+        window.parts[0].put_part(moved, window.box(fixed), near)
     return [State(window, field, change.means)
             for field, change in zip(fixed.reshape(len(changes), count, -1), changes)]
 

@@ -48,3 +48,52 @@ print("alike")
 @pytest.mark.parametrize("size", SIZES)
 def test_windows_of_several_processes_shrink_as_those_of_one(size, tmp_path):
     say(size, PROGRAM, tmp_path)
+
+
+CARRIED = """
+import numpy as np
+from mpi4py import MPI
+from contactsnes.contact.edges import carried
+from contactsnes.contact.problem import Contact
+from contactsnes.contact.states import State
+from contactsnes.grid.active import some
+from contactsnes.grid.slabs import Slabs
+from contactsnes.scene.settings import Scene
+
+shape = (64, 48)
+scene = Scene(points=shape, period=(8.0, 6.0), dimension=2, geometry="sphere", normal_maugis=4.0)
+shared, alone = (Contact(scene, **more)
+                 for more in ({"grid": Slabs(shape, scene.periods, MPI.COMM_WORLD)}, {}))
+x, y = np.meshgrid(*alone.grid.coordinates(), indexing="ij")
+distance = np.hypot(x, y)
+
+
+def found(contact, scattered):
+    # what cos(r/a) is carried to, where the radius a of a spot grows from 1.2 to 1.4
+    grid, states, changes = contact.grid, [], []
+    for radius in (1.2, 1.4):
+        gap = np.e + 8.0 * ((distance / radius) ** 2 - 1.0)
+        window = (some(grid.whole, np.flatnonzero(grid.part_of(gap < contact.law.range)))
+                  if scattered else grid.whole)
+        fields = [window.take(grid.part_of(field)) for field in (gap, np.cos(distance / radius))]
+        states.append(State(window, fields[:1] - window.take(contact.initial_gap), np.zeros(1)))
+        changes.append(State(window, fields[1][None], np.ones(1)))
+    (moved,) = carried(contact, changes[:1], *states)
+    cell = contact.extended(moved)[0]
+    return np.concatenate(grid.comm.allgather(cell)) if grid.shared else cell
+
+
+wanted = found(alone, False)
+within = distance < 1.3
+assert np.max(np.abs(wanted - np.cos(distance / 1.4))[within]) < 1e-5
+assert np.allclose(found(shared, False), wanted, rtol=0.0, atol=1e-8)
+for contact in (shared, alone):
+    assert np.allclose(found(contact, True)[within], wanted[within], rtol=0.0, atol=1e-8)
+print("alike")
+"""
+
+
+@together
+@pytest.mark.parametrize("size", SIZES)
+def test_changes_are_carried_with_the_edges_by_several_processes_too(size, tmp_path):
+    say(size, CARRIED, tmp_path)
