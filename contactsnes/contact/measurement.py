@@ -75,12 +75,13 @@ class Measurement:
 
     @cached_property
     def _sticking(self):
-        """Below 0 at the nodes in contact that stick, (nodes); whether some slip, and some
+        """(2, nodes), both below 0 at the nodes in contact that stick; whether some slip, and some
         stick."""
         scene, peak = self.contact.scene, self.contact.law.slip_peak
-        slip = np.einsum("in,in->n", self.gap[1:], self.gap[1:]) / peak ** 2 - 1.0
+        # (no squares, which bend more from node to node)
+        slip = np.sqrt(np.einsum("in,in->n", self.gap[1:], self.gap[1:])) / peak - 1.0
         inside = slip[self.in_contact]
-        return (np.maximum(self.gap[0] / scene.contact_threshold - 1.0, slip),
+        return (np.stack([self.gap[0] / scene.contact_threshold - 1.0, slip]),
                 self.grid.any(inside >= 0.0), self.grid.any(inside < 0.0))
 
     @cached_property

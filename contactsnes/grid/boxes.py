@@ -90,8 +90,8 @@ class Spots:
 
     def area_below(self, values, level):
         """Length or area where values (nodes) lie below a level, the sum of all boxes."""
-        return sum(part.area_below(own.reshape(-1), level)
-                   for part, own in zip(self.parts, self.box(values)))
+        each = np.split(values, len(self.parts), axis=-1)
+        return sum(part.area_below(own, level) for part, own in zip(self.parts, each))
 
     def at_level(self, values, level, fields):
         """Fields where values cross a level, (components, crossings), of one box after another.

@@ -170,7 +170,8 @@ def _roots(*nodes):
 
 def area_below(box, level, grid):
     """Area below a level of the surface through a box of nodes without its outermost ring, in
-    squares of the grid, of all processes that share it out.
+    squares of the grid, of all processes that share it out; where all of several surfaces are, each
+    interpolated for itself: the highest of them has a corner where they cross.
 
     Squares that the level cuts are divided by bicubic interpolation, and the parts by triangles;
     what is left of these falls with the square of the division, which two divisions tell. Fourth
@@ -178,7 +179,7 @@ def area_below(box, level, grid):
 
     Parameters
     ----------
-    box : array (rows, columns)
+    box : array (rows, columns), or (surfaces, rows, columns)
     level : float, unit of the values
     grid : Grid of the nodes
     """
@@ -186,7 +187,7 @@ def area_below(box, level, grid):
     patches = grid.evened(patches)
     coarse = fine = 0.0
     for some in pieces(len(patches)):
-        values = refined(patches[some], 8)
+        values = refined(patches[some], 8).max(axis=1)
         coarse += _triangles_below(values[:, ::2, ::2]) / 4 ** 2
         fine += _triangles_below(values) / 8 ** 2
     return grid.together(whole + (4.0 * fine - coarse) / 3.0)
@@ -195,12 +196,20 @@ def area_below(box, level, grid):
 def cut_patches(box, level):
     """Squares of a box of nodes without its outermost ring: how many lie below a level; of those
     that it cuts the first corners (x, y), counted within the ring, and values less the level on
-    4 x 4 nodes around each."""
-    below = box[1:-1, 1:-1] < level
+    4 x 4 nodes around each, (squares, surfaces, 4, 4).
+
+    Parameters
+    ----------
+    box : array (rows, columns), or (surfaces, rows, columns), all of which have to be below it
+    level : float, unit of the values
+    """
+    surfaces = box.reshape(-1, *box.shape[-2:])
+    below = np.all(surfaces[:, 1:-1, 1:-1] < level, axis=0)
     every, cut = _combined(np.logical_and, around(below)), np.nonzero(mixed(below))
     if not every.size:  # (of slabs, others may have all of the box)
-        return 0, cut, np.empty((0, 4, 4))
-    patches = np.lib.stride_tricks.sliding_window_view(box, (4, 4))[cut]
+        return 0, cut, np.empty((0, len(surfaces), 4, 4))
+    patches = np.stack([np.lib.stride_tricks.sliding_window_view(surface, (4, 4))[cut]
+                        for surface in surfaces], axis=1)
     patches -= level
     return np.count_nonzero(every), cut, patches
 
@@ -211,10 +220,10 @@ def pieces(count):
 
 
 def refined(patches, parts):
-    """Values at the corners of parts^2 squares within the middle one of patches (n, 4, 4), bicubic,
-    array (n, parts + 1, parts + 1)."""
+    """Values at the corners of parts^2 squares within the middle one of patches (..., 4, 4),
+    bicubic, array (..., parts + 1, parts + 1)."""
     values = patches.reshape(-1, 16) @ _bicubic(parts)
-    return values.reshape(-1, parts + 1, parts + 1)
+    return values.reshape(*patches.shape[:-2], parts + 1, parts + 1)
 
 
 @lru_cache(maxsize=8)

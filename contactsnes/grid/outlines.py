@@ -58,19 +58,22 @@ class Outline(NamedTuple):
 
 
 def outline(window, values, level, crossed=crossings):
-    """The `Outline` of values (nodes) on a window, of one box or several.
+    """The `Outline` of where values are below a level on a window, of one box or several; of where
+    all of several fields are, each interpolated for itself (`contours.area_below`).
 
     Parameters
     ----------
     window : Window, Spots or Nodes
-    values : array (nodes,)
+    values : array (nodes,) or (fields, nodes)
     level : float, unit of the values
     crossed : what finds crossings on a line, as `contours.crossings`
     """
-    shape = len(window.parts), *window.parts[0].shape
+    shape = window.parts[0].shape
+    values = np.atleast_2d(values)
     beyond = window.grid.maximum(values) if window.picked else np.inf
-    boxes = np.reshape(window.box(values, beyond), shape)
-    made = partial(_intervals, crossed) if boxes.ndim == 2 else _pieces
+    boxes = np.reshape(window.box(values, beyond), (len(values), len(window.parts), *shape))
+    boxes = np.moveaxis(boxes, 1, 0)
+    made = partial(_intervals, crossed) if len(shape) == 1 else _pieces
     ends = [made(part, box, level) for part, box in zip(window.parts, boxes)]
     joined = window.grid.joined(np.concatenate(ends))
     periods = np.array(window.grid.periods)
@@ -78,7 +81,8 @@ def outline(window, values, level, crossed=crossings):
     joined = joined - periods * np.floor(joined.mean(axis=1, keepdims=True) / periods + 0.5)
     return Outline(joined, tuple(
         _ends_at(joined[..., axis], 0.5 * periods[axis])
-        or any(_at_border(part, box < level, axis) for part, box in zip(window.parts, boxes))
+        or any(_at_border(part, np.all(box < level, axis=0), axis)
+               for part, box in zip(window.parts, boxes))
         for axis in range(len(window.parts[0].shape))))
 
 
@@ -102,20 +106,26 @@ def _places(part, places):
 
 
 def _intervals(crossed, part, box, level):
-    """Intervals of a line where a box (nodes) is below a level, cubic between nodes.
+    """Intervals of a line where all fields of a box (fields, nodes) are below a level, cubic
+    between nodes.
 
     Parameters
     ----------
     crossed, level : as of `outline`
     part : Window
-    box : array (nodes,)
+    box : array (fields, nodes)
     """
-    return _places(part, intervals(box, level, part.is_whole, crossed)[..., None])
+    first, *others = (intervals(field, level, part.is_whole, crossed) for field in box)
+    for other in others:
+        low = np.maximum(first[:, None, 0], other[:, 0])
+        high = np.minimum(first[:, None, 1], other[:, 1])
+        first = np.stack([low, high], axis=-1)[low < high]
+    return _places(part, first[..., None])
 
 
 def _pieces(part, box, level):
-    """Straight pieces of the edge of where a box (x, y) is below a level: bicubic within squares of
-    the grid, linear within triangles of their eighths."""
+    """Straight pieces of the edge of where all fields of a box (fields, x, y) are below a level:
+    bicubic within squares of the grid, linear within triangles of their eighths."""
     _, corners, patches = cut_patches(part.ringed(box), level)
     corners = np.asarray(corners).T
     found = [cut for some in pieces(len(patches))
@@ -128,10 +138,10 @@ def _pieces_within(patches, corners):
 
     Parameters
     ----------
-    patches : array (squares, 4, 4), values less the level around each
+    patches : array (squares, surfaces, 4, 4), values less the level around each
     corners : array (squares, 2), the first of each
     """
-    values = refined(patches, PARTS)
+    values = refined(patches, PARTS).max(axis=1)
     # most parts of a square have no edge within them
     cut = np.nonzero(mixed(values < 0.0))
     first = corners[cut[0]] + np.stack(cut[1:], axis=-1) / PARTS

@@ -203,8 +203,8 @@ class Window:
         return np.flatnonzero(self.rim())
 
     def area_below(self, values, level):
-        """Length or area where values (nodes) lie below a level, its edge interpolated between
-        nodes.
+        """Length or area where values (nodes), on a plane all of several (fields, nodes), lie below
+        a level, its edge interpolated between nodes.
 
         Cubic in each direction. Beyond the window nothing is below; a window that is the whole cell
         closes on itself.

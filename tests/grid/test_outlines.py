@@ -1,5 +1,7 @@
 """Outlines against ellipses, intervals and bands that are known."""
 
+import math
+
 import numpy as np
 import pytest
 from scipy.special import ellipe
@@ -69,6 +71,10 @@ def test_several_boxes_are_one_outline():
     assert several.length() == pytest.approx(4 * np.pi * np.sqrt(0.5), rel=1e-3)
     assert several.extent(0) == pytest.approx(one.extent(0), rel=1e-12)
     assert several.centroid(1) == pytest.approx(0.5, abs=1e-5)
+    both = np.array([values, values + 0.1 * x])
+    whole, boxes = (window.area_below(window.take(both), 0.5) for window in (grid.whole, spots))
+    assert boxes == pytest.approx(whole, rel=1e-12)
+    assert 2.0 < boxes < grid.whole.area_below(values.reshape(-1), 0.5)
 
 
 def test_what_goes_around_the_cell_has_no_extent_there():
@@ -168,3 +174,23 @@ def test_nodes_of_several_boxes_have_the_numbers_that_they_have_in_the_cell(shap
                    % shape, (6,) * len(shape))
     field = np.random.default_rng(1).normal(size=shape)
     np.testing.assert_array_equal(field.ravel()[window.node_numbers()], window.take(field))
+
+
+def test_where_two_fields_are_below_a_level_each_is_interpolated_for_itself():
+    """Two circles that cross, and one within the other by less than a spacing: the larger of both
+    fields has a corner beside the edge, of which cubics know nothing."""
+    grid = Grid((48, 48), (6.0, 6.0))
+    x, y = grid.coordinates()
+    for apart, radius, area in ((1.0, 1.0, 2 * math.pi / 3 - math.sqrt(3) / 2),
+                                (0.0, 0.96, math.pi * 0.96 ** 2)):
+        fields = [((x - off) ** 2 + y ** 2) / size ** 2 * np.ones(grid.shape)
+                  for off, size in ((0.0, 1.0), (apart, radius))]
+        fields[1] = 1.0 + 5.0 * (fields[1] - 1.0)
+        values = np.reshape(fields, (2, -1))
+        assert grid.whole.area_below(values, 1.0) == pytest.approx(area, rel=1.5e-3)
+        length = 4 * math.pi / 3 if apart else 2 * math.pi * radius
+        assert outline(grid.whole, values, 1.0).length() == pytest.approx(length, rel=1e-2)
+    line = Grid((48,), (6.0,))
+    x = line.coordinates()[0]
+    ends = outline(line.whole, np.array([x ** 2, 1.0 + 5.0 * ((x - 0.06) ** 2 - 1.0)]), 1.0).ends
+    assert np.allclose(ends.ravel(), [-0.94, 1.0], atol=1e-12)
