@@ -168,15 +168,19 @@ class BracketingSteps(NaturalSteps):
                        fold_precision=float(width), step=step, origin=self.leg.start)
 
     def _look_ahead(self, error, step):
-        """Yield what stops the steps; where that is not found, what motion leads to further on: no
-        path ends because a spot will not settle."""
+        """Yield what stops the steps; where that is not found, or motion finds no way out of it,
+        what motion leads to further on, to the leg's end if need be: no path ends because a spot
+        will not settle."""
         try:
             yield from self._fold(error, 4.0 * step)
             return
-        except NoFold as failure:
+        except NotConverged as failure:
             reason = failure
         place, last = self.history[-1]
-        for width in (4.0 * step, BRACKET * self.shortest, self.shortest):
+        doubled = [self.shortest]
+        while place + doubled[-1] < 1.0:
+            doubled.append(2.0 * doubled[-1])
+        for width in (4.0 * step, BRACKET * self.shortest, *doubled):
             beyond = min(place + width, 1.0)
             where = f"at {self._place(beyond)}"
             try:
@@ -187,13 +191,28 @@ class BracketingSteps(NaturalSteps):
                 continue
             self.system.log(f"{reason}: the path goes on {where}, where motion from its last "
                             "point leads; the load of that jump is known to this step only")
-            spent = self.system.account()
-            fold = replace(self._marked(last, beyond - place), spent=dict.fromkeys(spent, 0))
-            self.history = []
-            point = replace(point, leg=self.leg.number, position=beyond, step=self.leg.initial,
-                            event="jump")
-            point = self._accept(branching.settled(self.system, self.certify, point, where))
-            yield fold
-            yield replace(point, spent={name: spent[name] + point.spent[name] for name in spent})
+            yield from self._jumped(point, beyond, where)
             return
+        if not isinstance(reason, NoFold):
+            raise reason
         yield from super()._look_ahead(reason, step)
+
+    def _jumped(self, point, beyond, where):
+        """Yield the last point as a fold, if it is not told of, and a point to which motion under
+        a load beyond leads.
+
+        Parameters
+        ----------
+        point : Point
+        beyond : position of that load
+        where : str, what messages say of it
+        """
+        (place, last), spent = self.history[-1], self.system.account()
+        fold = replace(self._marked(last, beyond - place), spent=dict.fromkeys(spent, 0))
+        self.history = []
+        point = replace(point, leg=self.leg.number, position=beyond, step=self.leg.initial,
+                        event="jump")
+        point = self._accept(branching.settled(self.system, self.certify, point, where))
+        if last.event != "fold":
+            yield fold
+        yield replace(point, spent={name: spent[name] + point.spent[name] for name in spent})

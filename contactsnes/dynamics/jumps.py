@@ -15,7 +15,8 @@ from ..options.database import read
 from ..solvers.capabilities import has_modes
 from ..solvers.snes import COLD, WARM
 from .control import rough
-from .overdamped import Leaving, MotionOptions, OverdampedMotion, Unsettled
+from .endings import Circling, Leaving, Unsettled
+from .overdamped import MotionOptions, OverdampedMotion
 from .relaxing import ENDLESS, relaxed
 
 BESIDE = 5.0
@@ -72,8 +73,7 @@ def settle(system, state, controls, load, where, origin=None):
     Parameters
     ----------
     system : Corrector
-    state : State
-    controls, load : of each component
+    state, controls, load : State, and of each component
     where : str, what a message says of the place
     origin : State, the equilibrium at this load from which the motion begins, if it does: works
         are known from there on, against viscosity where that is near
@@ -93,6 +93,8 @@ def settle(system, state, controls, load, where, origin=None):
         return by_creep(system, state, controls, load, origin, options)
     except Leaving:
         raise NoEquilibrium(f"no equilibrium {where}: {ENDLESS}") from None
+    except Circling as error:  # (inertia would keep it up as well)
+        raise NotConverged(f"the motion {where} does not come to rest: {error}") from None
     except (Unsettled, NotConverged) as error:
         failure = str(error)
     system.log(f"the overdamped motion {where} cannot be followed ({failure}): following motion "

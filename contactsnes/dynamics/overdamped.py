@@ -18,6 +18,7 @@ from ..continuation.points import lagrange_weights
 from ..grid.cell import Convolution
 from ..options.fields import Options, option
 from .control import CAREFUL, MANY, Exactness, control
+from .endings import Circling, Leaving, Rounds, Unsettled
 from .outside import Outside
 from .viscous import Equations, backward_formula
 
@@ -49,14 +50,6 @@ class MotionOptions(Options):
                               "ranges of the law", above=0)
     steps: int = option(3000, "steps of the overdamped motion after which it is given up",
                         minimum=1)
-
-
-class Unsettled(RuntimeError):
-    """A motion that cannot be followed to its end; the message says why."""
-
-
-class Leaving(RuntimeError):
-    """A motion without an end: the body leaves, or slides for ever."""
 
 
 class Moment(NamedTuple):
@@ -106,8 +99,8 @@ class OverdampedMotion:
         self.measured = measured
         self.works = np.zeros((2, len(controls)))
         self.fastest = 0.0
-        self._control = control(contact, symmetry, len(controls), elastic is not None,
-                                measured)
+        self._control = control(contact, symmetry, len(controls), elastic is not None, measured)
+        self._rounds = Rounds()
         self._begin(0.0, state, elastic)
 
     def _begin(self, time, state, elastic=None):
@@ -148,7 +141,7 @@ class OverdampedMotion:
 
         Raises Leaving where it has no end, Unsettled where it cannot be followed.
         """
-        options, begun = self.options, self.history[-1].time
+        options, self._held = self.options, self.history[-1].time
         last, speed = np.inf, self.equations.size(self.rate, self._near)
         step = self._next
         self._exactness = Exactness(self._control.exactness, min(1e-4 * options.tolerance, rest))
@@ -163,7 +156,8 @@ class OverdampedMotion:
                 self._account(moment, step)
             change = moment.unknown - self.history[-1].unknown
             self.history, self._near = [*self.history[-2:], moment], self.equations.near(moment.gap)
-            last, speed = speed, self.equations.size(change, self._near) / step
+            moved = self.equations.size(change, self._near)
+            last, speed = speed, moved / step
             self.fastest = max(self.fastest, speed)
             slow = max(rest, part * self.fastest)
             calm = speed < slow and (speed <= last or speed < 1e-3 * slow)
@@ -171,17 +165,30 @@ class OverdampedMotion:
             if covered and calm:
                 self._next = step
                 return
-            lost = self.equations.leaving(moment.unknown, moment.gap,
-                                          self.equations.form.scalars(change) / step)
-            begun = moment.time if lost is None else begun
-            if lost == 0 or moment.time - begun > ENDLESS:
-                raise Leaving
+            self._check_end(moment, self.equations.form.scalars(change) / step, moved)
             step *= min(2.0, 0.9 * max(error, 1e-3) ** (-1.0 / 3.0))
             if not covered:
                 self._widen()
                 step *= 0.3
         raise Unsettled(f"it has not come to rest after {self.steps} steps, fastest "
                         f"{self._place()}")
+
+    def _check_end(self, moment, velocity, moved):
+        """Raise Leaving or Circling of a motion without one.
+
+        Parameters
+        ----------
+        moment : Moment, at the end of a step
+        velocity : of the means that move
+        moved : float, length of the step
+        """
+        lost = self.equations.leaving(moment.unknown, moment.gap, velocity)
+        self._held = moment.time if lost is None else self._held
+        if lost == 0 or moment.time - self._held > ENDLESS:
+            raise Leaving
+        if self._rounds.closed(moment, moved, lambda way: self.equations.size(way, self._near)):
+            raise Circling(f"it goes round and round, every {self._rounds.period:.3g} relaxation "
+                           f"times, fastest {self._place()}")
 
     def _place(self):
         """Where the motion is fastest, in words."""
@@ -286,5 +293,6 @@ class OverdampedMotion:
             window = self.symmetry.centred(fresh).window
         elastic = np.zeros_like(cell)
         state.window.put(self.equations.unfolded(self.history[-1].elastic), elastic)
+        self._rounds.forget()
         self._begin(self.history[-1].time, states.State(window, window.take(cell), state.means),
                     window.take(elastic))

@@ -3,7 +3,7 @@
 from ..contact.force_form import ForceForm
 from ..continuation.points import NotConverged
 from ..solvers.snes import create_snes
-from .overdamped import Leaving
+from .endings import Leaving
 
 ENDLESS = "the body leaves or slides without end"
 """What is said of a motion without an equilibrium."""

@@ -280,6 +280,27 @@ def test_where_motion_ends_nowhere_the_reason_is_told_and_the_points_stay():
     assert points and "a spot at x = 3" in str(error)
 
 
+@pytest.mark.parametrize("until", (0.5, 0.9, 1.99))
+def test_a_path_goes_on_where_motion_comes_to_rest_again(until):
+    """Beyond the fold, which is located, a body has but a cycle to go round in."""
+    class Round(System):
+        def settle(self, state, controls, load, where, *origin):
+            if CUBIC_FOLD - 0.1 < load[0] < until:
+                raise NotConverged("it goes round and round")
+            return super().settle(state, controls, load, where, *origin)
+
+        def crossed(self, last, beyond, where):
+            raise NotConverged("it goes round and round")
+
+    system = Round(cubic())
+    points, error = bracketed(system, [-1.875, 2.0], [-1.5])
+    assert error is None and events(points) == ["fold", "jump"] and points[-1].load[0] == 2.0
+    assert_solutions(system, points)
+    fold, jump = (point for point in points if point.event)
+    assert fold.load[0] == pytest.approx(CUBIC_FOLD, rel=1e-6) and until <= jump.load[0]
+    assert any("goes round and round: the path goes on" in said for said in system.sentences)
+
+
 def test_where_a_branch_ends_its_fold_is_located():
     """Beyond it the body leaves, so that no bracket has another side."""
     system = System(curve(lambda u: -u ** 2, lambda u: -2 * u))

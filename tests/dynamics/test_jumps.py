@@ -1,6 +1,8 @@
 """Jumps: overdamped motion is the one that its equations say, comes to rest where others do, and
 its works balance."""
 
+import re
+
 import numpy as np
 import petsc4py
 import pytest
@@ -14,7 +16,8 @@ from contactsnes.contact import states
 from contactsnes.contact.symmetry import Symmetry
 from contactsnes.dynamics import control, jumps, outside, relaxing
 from contactsnes.dynamics.control import Exactness
-from contactsnes.dynamics.overdamped import Leaving, MotionOptions, OverdampedMotion, Unsettled
+from contactsnes.dynamics.endings import Leaving, Rounds, Unsettled
+from contactsnes.dynamics.overdamped import Moment, MotionOptions, OverdampedMotion
 from contactsnes.grid.counter import weighed
 from contactsnes.solvers.capabilities import NEWTON
 from contactsnes.solvers.regularised import RegularisedStep
@@ -360,6 +363,46 @@ def test_jumps_of_even_bumps_that_are_sheared_stay_even():
     points = iter(Branch(scene, load, log=said.append))
     assert next(point for point in points if point.event == "jump").displacements[1] < 3.0
     assert not [sentence for sentence in said if "without symmetry" in sentence]
+
+
+# Motions without rest
+
+def turned(shrinks, angle=0.25, steps=400, drifts=0.0):
+    """Number of the step at which a spiral is found to be a cycle, and the period; None where it
+    is not."""
+    rounds, last = Rounds(), None
+    for step in range(steps):
+        turn, radius = step * angle, np.exp(-shrinks * step)
+        unknown = radius * np.array([np.cos(turn), np.sin(turn)]) + drifts * step
+        moment = Moment(0.5 * step, unknown, None, None, None)
+        moved = 0.0 if last is None else np.linalg.norm(unknown - last)
+        last = unknown
+        if rounds.closed(moment, moved, np.linalg.norm):
+            return step, rounds.period
+    return None
+
+
+def test_a_motion_that_goes_round_is_told_from_one_that_comes_to_rest():
+    step, period = turned(0.0)
+    assert 64 + 3 * 2.0 * np.pi / 0.25 < step < 256
+    assert period == pytest.approx(0.5 * 2.0 * np.pi / 0.25, rel=0.03)
+    for spiral in ({"shrinks": 2e-3}, {"shrinks": 0.0, "drifts": 0.1}, {"shrinks": 0.02}):
+        assert turned(**spiral) is None
+
+
+@pytest.mark.study
+def test_friction_may_keep_a_motion_up_for_ever():
+    """Explicit steps of Heun's method, of 0.012 relaxation times each, come back to where they were
+    at the time 200 within 0.0043 ranges after 124.5."""
+    scene = Scene(dimension=2, geometry="rough", rough_on="flat", rough_longest=6.0,
+                  rough_shortest=1.5, rough_slope=0.905, rough_seed=22, points=64, period=24.0,
+                  poisson=0.3, normal_maugis=1.424, height=float("inf"))
+    branch = Branch(scene, Load("normal_displacement=0", "tangential_displacement_x=1"))
+    rest = next(iter(branch)).state
+    with pytest.raises(NotConverged, match="come to rest: it goes round and round") as told:
+        jumps.settle(branch.corrector, rest, (D,) * 3, np.array([0.0, 0.5, 0.0]), "here")
+    (period,) = re.findall(r"every ([\d.]+) relaxation times", str(told.value))
+    assert float(period) == pytest.approx(124.5, rel=0.02)
 
 
 # Other masses
