@@ -116,8 +116,11 @@ def _try(read, pipe):
     except BaseException as error:
         told = f"{type(error).__name__}: {error}"
     finally:
-        os.write(pipe, told.encode("utf-8", "replace")[:4096])
-        os._exit(0)
+        # nobody may wait any more: where the program was killed, this copy of it must not go on
+        try:
+            os.write(pipe, told.encode("utf-8", "replace")[:4096])
+        finally:
+            os._exit(0)
 
 
 def checksum(path):

@@ -4,6 +4,7 @@ and nothing is lost."""
 import dataclasses
 import io
 import math
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -458,6 +459,32 @@ def test_a_changed_number_is_damage(tmp_path):
                                                             columns=columns)):
             with pytest.raises(ArchiveError, match="is damaged"):
                 attempt(path)
+
+
+def read_and_go_on(folder):
+    """A program that may be killed while a file is tried: only itself goes on."""
+    def slow():
+        (folder / "begun").touch()
+        while os.getppid() == parent:
+            time.sleep(0.01)
+
+    parent = os.getpid()
+    signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # as Python has it, and PETSc has not
+    try:
+        devices.failure(slow)
+    finally:
+        (folder / "went on").touch()
+
+
+def test_a_file_that_is_tried_for_a_program_that_is_killed_meanwhile_ends_there(tmp_path):
+    run = multiprocessing.get_context("fork").Process(target=read_and_go_on, args=(tmp_path,))
+    run.start()
+    while not (tmp_path / "begun").exists():
+        time.sleep(0.01)
+    run.kill()
+    run.join()
+    time.sleep(0.2)
+    assert os.listdir(tmp_path) == ["begun"]
 
 
 def test_what_crashes_or_does_not_end_is_told():
