@@ -9,7 +9,7 @@ from typing import NamedTuple
 from ..contact.problem import FORCE
 from ..interface import laws, shapes
 from ..scene.isolation import largest_force
-from ..scene.settings import Form, Output, Steps, loaded_legs, tangential_legs, ways
+from ..scene.settings import Form, Output, Steps, loaded_legs, moving, tangential_legs
 from .grid_choice import active_part, again, cell_of, window_part
 from .memory import memory_of_solve
 from .theory import sliding_displacement, theory
@@ -215,10 +215,13 @@ def _share(scene, load, part, *more):
 
 def _points(scene, load, steps):
     """Points of the start and of each leg, about; loads and steps as they are typed."""
-    legs, found = load.legs(scene.dimension) if load.path else (), [1]
-    for number, (leg, way) in enumerate(zip(legs, ways(scene, load)), start=1):
-        component, control = next(iter(leg.controls.items()))
-        points = STEPS if control.value is not None else 1
+    found = [1]
+    for number, moved in enumerate(moving(scene, load), start=1):
+        if not moved:
+            found.append(0)
+            continue
+        component, control, way = moved
+        points = STEPS
         if way and (steps.initial_step or steps.largest_step):
             points = FOLDED + math.ceil(way / steps.sizes(number, way)[1])
         found.append(math.ceil(points * _walked(scene, load, component, control, way)
@@ -238,7 +241,7 @@ def _walked(scene, load, component, control, way):
     way : float, its length as typed, or None
     """
     if component == 0:
-        return STOPPED if "pull_off" in load.stops and (control.value or 0.0) < 0.0 else 1.0
+        return STOPPED if "pull_off" in load.stops and control.value < 0.0 else 1.0
     if "gross_sliding" not in load.stops or not way or control.control == FORCE:
         return 1.0
     end = sliding_displacement(scene, theory(scene, largest_force(scene, load)))
@@ -247,7 +250,7 @@ def _walked(scene, load, component, control, way):
 
 def _crowded(scene, component, control):
     """Times as many points where what is moved by its displacement jumps on the way."""
-    if control.control == FORCE or control.value is None:
+    if control.control == FORCE:
         return 1
     if component:
         return FALLING["points"] if _falls(scene) else 1

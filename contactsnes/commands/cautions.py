@@ -114,8 +114,8 @@ def _many_steps(scene, load, steps):
     ----------
     scene, load, steps : Scene, Load, Steps
     """
-    for number, way in enumerate(scenes.ways(scene, load) if steps.largest_step else (), start=1):
-        largest = steps.sizes(number, 1.0)[1]
+    for number, moved in enumerate(scenes.moving(scene, load) if steps.largest_step else (), 1):
+        way, largest = moved and moved[2], steps.sizes(number, 1.0)[1]
         if way and way > MANY * largest:
             yield (f"leg {number} takes at least {way / largest:.2g} steps, since it moves by "
                    f"{way:g} and -continuation_largest_step is {largest:g}: is that in the unit "

@@ -99,21 +99,22 @@ def loaded_legs(scene, load):
     return tuple(found[1:])
 
 
-def ways(scene, load):
-    """How far each leg moves what it names first, as typed: a list, with None where that is not
-    known."""
+def moving(scene, load):
+    """What moves along each leg, a list: the first of what it names that does not rest, (component,
+    Control, how far as typed or None where that is not known); None of a leg that moves nothing."""
     found, values = [], dict(load.initial(scene.dimension, scene.isolated))
     for leg in load.legs(scene.dimension) if load.path else ():
-        component, control = next(iter(leg.controls.items()))
-        found.append(_way(values.get(component), control))
-        values |= leg.controls
+        named = ((component, control, _way(values[component], control))
+                 for component, control in leg.controls.items() if control.value is not None)
+        found.append(next((one for one in named if one[2] != 0.0), None))
+        values |= {component: control for component, control in leg.controls.items()
+                   if control.value is not None or control.control != values[component].control}
     return found
 
 
 def _way(before, control):
-    """How far a leg moves what it names first, as typed; None where that is not known."""
-    if (control.value is None or before is None or before.value is None
-            or before.control != control.control):
+    """How far a leg moves a component, as typed; None where that is not known."""
+    if before.value is None or before.control != control.control:
         return None
     return abs(control.value - before.value)
 

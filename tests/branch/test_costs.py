@@ -41,13 +41,27 @@ def test_costs_grow_with_the_grid_and_the_fields():
 def test_points_follow_from_the_steps():
     load = Load(path="normal_force=hold; normal_force=5; normal_force=15")
     steps = Steps(largest_step=0.5)
-    assert costs.cost(SPHERE, load, (64, 64), steps=steps).points == 1 + 1 + 22 + 24
+    assert costs.cost(SPHERE, load, (64, 64), steps=steps).points == 1 + 22 + 24
     si = Scene.typed(units="si", dimension=2, geometry="sphere", radius=9.42e-3, young_modulus=1e6,
                      work_of_adhesion_normal=0.03, work_of_adhesion_tangential=0.03,
                      adhesive_strength=2e4, shear_strength=3e4)
     typed = Load(path="normal_force=1e-3; normal_force=2e-3; tangential_displacement_x=1e-5")
     steps = Steps(largest_step=(1e-4, 5.1e-5, 5.1e-7))
     assert costs.cost(si, typed, (64, 64), steps=steps).points == 1 + 22 + 24 + 24
+
+
+@pytest.mark.parametrize("path, points", [
+    ("normal_displacement=1", 0), ("normal_force=hold; normal_displacement=hold", 0),
+    ("normal_displacement=1, tangential_displacement_x=0; normal_displacement=hold", 0),
+    ("normal_displacement=hold, tangential_displacement_x=1", 22),
+    ("normal_displacement=1, tangential_displacement_x=1; tangential_displacement_x=hold; "
+     "tangential_displacement_x=1", 22)])
+def test_legs_that_move_nothing_have_no_points(path, points):
+    """Nor where spots of a rough plane would jump."""
+    load = Load(start="normal_displacement=1", path=path)
+    assert costs.cost(SPHERE, load, (64, 64)).points == 1 + points
+    rough = replace(SPHERE, geometry="rough", rough_slope=0.1, rough_shortest=3.0)
+    assert costs.cost(rough, load, (64, 64)).points == 1 + points
 
 
 LINE = "-scene_points 512 -scene_period 40 -scene_normal_maugis 2 -scene_height 30 "
