@@ -13,7 +13,7 @@ import numpy as np
 from . import checksums, resuming, stored
 from .columns import put_attributes
 from .files import FORMAT, ArchiveError, check_folder, check_new, resolved, safely
-from .journal import Journal, beside
+from .journal import Journal, beside, next_key
 from .layout import Layout
 from .reading import read
 from .store import Store, unwritten
@@ -135,6 +135,7 @@ class Archive:
         if not archive.path.is_file():
             return cls.create(path, **content)
         check_folder(archive.path)
+        archive._journal.check_free()
         if read(archive.path).points:
             safely(archive.path, archive._take_over)
             archive.settle()
@@ -222,7 +223,7 @@ class Archive:
         describes."""
         self._store.held, self.runs = int(file.attrs["points"]), resuming.runs(file)
         self._waiting = stored.waiting(file)
-        self._journal.key = file.attrs.get("journal", self._journal.key)
+        self._journal.key = next_key(file.attrs.get("journal", self._journal.key))
         self._first = self.points
         last, leg = self._last(file)
         done = int(leg) - (last.get("position") != 1.0)

@@ -7,6 +7,8 @@ write leaves behind, or another archive, is no entry.
 """
 
 import contextlib
+import errno
+import fcntl
 import json
 import os
 import struct
@@ -18,8 +20,9 @@ import numpy as np
 
 from .files import ArchiveError
 
+SUFFIX = ".journal"
 HEADING = "contactsnes journal 1 of "
-FLAGS = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_APPEND
+FLAGS = os.O_RDWR | os.O_APPEND
 ENTRY = struct.Struct("<QQI")
 """Point, size of what follows, and its CRC-32."""
 LARGE = 2 ** 16
@@ -28,7 +31,18 @@ LARGE = 2 ** 16
 
 def beside(archive):
     """The path of the journal of an archive."""
-    return Path(archive).with_name(Path(archive).name + ".journal")
+    return Path(archive).with_name(Path(archive).name + SUFFIX)
+
+
+def next_key(key):
+    """The key of the run that goes on with an archive: of its journal, since the run before may be
+    going on as well, and its points are others."""
+    return f"{archive_of(key)}-{os.urandom(4).hex()}"
+
+
+def archive_of(key):
+    """What all runs of an archive have in common of their keys."""
+    return str(key).partition("-")[0]
 
 
 class Journal:
@@ -48,9 +62,14 @@ class Journal:
 
     def append(self, point, arrays):
         """Add the arrays (name -> array of numbers or text) of a point; OSError where the disk
-        does not take them."""
+        does not take them, ArchiveError where another program writes there, too."""
         if self._file is None:
-            self._file = os.open(self.path, FLAGS, 0o666)
+            self._file = os.open(self.path, FLAGS | os.O_CREAT, 0o666)
+            _take(self._file, self.path)
+            os.ftruncate(self._file, 0)
+        found = os.fstat(self._file)
+        if not found.st_nlink or found.st_size != self.size:
+            raise _shared(self.path)
         if not self.size:  # new, or one that did not take its heading before
             self._write(_heading(self.key))
         self._write(encoded(point, arrays))
@@ -66,6 +85,17 @@ class Journal:
             raise
         self.size += len(data)
 
+    def check_free(self):
+        """ArchiveError while another program, which is running, has points in the file."""
+        try:
+            file = os.open(self.path, FLAGS)
+        except OSError:  # there is none, or one that is not to be written
+            return
+        try:
+            _take(file, self.path)
+        finally:
+            os.close(file)
+
     def remove(self):
         """Take the file away: the archive holds what was in it."""
         if self._file is not None:
@@ -74,6 +104,23 @@ class Journal:
         self.size = 0
         with contextlib.suppress(FileNotFoundError):
             os.unlink(self.path)
+
+
+def _take(file, path):
+    """Lock an open journal until it is closed; ArchiveError where another program has. What knows
+    no locks has none."""
+    try:
+        fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        if error.errno in (errno.EACCES, errno.EAGAIN):
+            raise _shared(path) from None
+
+
+def _shared(path):
+    """The error to raise where two programs write one journal."""
+    archive = path.with_name(path.name.removesuffix(SUFFIX))
+    return ArchiveError(f"{archive} has been changed by another program, which may still be "
+                        "running: wait for its end, or name another -archive_file.")
 
 
 def _heading(key):

@@ -13,9 +13,10 @@ from .active import Rebuilt
 from .columns import instead
 from .extras import extra
 from .files import ArchiveError, checked, open_archive, safely
+from .journal import archive_of
 
 TRIES = 5
-"""How often an archive is read again that a run has replaced meanwhile."""
+"""How often an archive is read again that a run has written to meanwhile."""
 
 SHOWN = ("normal_force", "tangential_force", "contact_area")
 """Beginnings of the names of columns whose extent the ``repr`` tells."""
@@ -59,7 +60,7 @@ class Record(Mapping):
         attributes = parts[""].attributes
         self.path, self.points = Path(file.filename), int(attributes["points"])
         # Fields are read later, maybe from another folder, or where another run has put its file.
-        self._place, self._key = self.path.absolute(), attributes.get("journal")
+        self._place, self._key = self.path.absolute(), archive_of(attributes.get("journal"))
         self.complete = bool(attributes["complete"])
         self.scene, self.options = parts["scene/"].attributes, attributes["options"]
         self.versions = dict(line.split(" ", 1) for line in attributes["versions"].splitlines())
@@ -150,12 +151,17 @@ class Record(Mapping):
         return frame
 
     def states(self):
-        """Point (from 0) -> what is kept for going on from it, a mapping: of the last points, up to
-        four."""
+        """Point (from 0) -> what going on from it takes, a mapping: of up to four last points."""
         held = self.points - len(self._waiting)
-        found = self._taken(lambda file: {number - 1: state for number, state
-                                          in stored.unpacked(file, held).items()})
-        return found | {held + place: point.state for place, point in enumerate(self._waiting)}
+
+        def take(file):
+            found = stored.unpacked(file, held)
+            if held not in found and file.attrs["points"] > held:
+                raise ArchiveError(f"{self.path} has gone on since it was read: read it again.")
+            return {number - 1: state for number, state in found.items()}
+
+        return self._taken(take) | {held + place: point.state
+                                    for place, point in enumerate(self._waiting)}
 
     def _taken(self, take):
         """What a function takes from the file; ArchiveError where that is another one by now."""
@@ -166,7 +172,7 @@ class Record(Mapping):
 
     def _own(self, take, file):
         """What a function takes from an open file; ArchiveError for one of another run."""
-        if file.attrs.get("journal") != self._key:
+        if archive_of(file.attrs.get("journal")) != self._key:
             raise ArchiveError(f"{self.path} is another archive than was read: read it again.")
         return take(file)
 
@@ -270,22 +276,25 @@ def read(path):
     ArchiveError
         If there is no such file, or it is no archive, or damaged.
     """
-    before = _stamp(a_path("the archive", path, "the path of one"))
-    record = safely(path, Record)
-    for _ in range(TRIES):
-        # a run that goes on has taken its journal into a new file since this one was opened: points
-        # would be missing that were there
+    before, record = _stamp(a_path("the archive", path, "the path of one")), None
+    for left in reversed(range(1 + TRIES)):
+        try:
+            record = safely(path, Record)
+        except ArchiveError:
+            if before == _stamp(path) or not left and not record:
+                raise
+        # a run has taken its journal in meanwhile: points would be missing that were there; or,
+        # where there are no locks, has written to what was read
         before, after = _stamp(path), before
-        if before == after:
+        if record and before == after:
             break
-        record = safely(path, Record)
     return record
 
 
 def _stamp(path):
-    """What tells a file from one that has been put into its place; None where there is none."""
+    """What tells a file from another in its place, or as it is written to; None of none."""
     try:
         found = os.stat(path)
     except (OSError, ValueError):  # the second for what cannot be a name
         return None
-    return found.st_dev, found.st_ino
+    return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns

@@ -88,7 +88,8 @@ class Fields:
 
     def _place(self, point):
         if point not in self.points:
-            raise ArchiveError(f"{self._file.filename} keeps no fields of point {point}.")
+            raise ArchiveError(f"{self._file.filename} keeps no fields of point {point} any more: "
+                               "its run has gone on since it was read; read it again.")
         return self.points.index(point)
 
     def _check(self, name, point, found):

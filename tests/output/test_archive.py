@@ -592,6 +592,44 @@ def test_two_runs_cannot_write_one_archive(tmp_path):
     assert check(tmp_path / "run.h5").points == 4
 
 
+def test_two_runs_mix_no_points_in_the_journal(tmp_path, monkeypatch):
+    """A second one that finds no points waiting goes on from the same point."""
+    first = waiting(tmp_path / "run.h5", monkeypatch, 0)
+    second, given = Archive.resume(first.path, **fields_content("all")), point
+    append(first, 2)
+    monkeypatch.setattr(f"{__name__}.point", lambda number: given(number + 100))
+    append(second, 1)
+    assert list(read(first.path)["leg"]) == [0, 101]
+    append(second, 1)
+    assert list(read(first.path)["leg"]) == [0, 101, 102]
+    with pytest.raises(ArchiveError, match="run.h5 has been changed by another program"):
+        append(first, 1)
+    with pytest.raises(ArchiveError, match="run.h5 has been changed by another program"):
+        first.settle()
+    append(second, 1)
+    assert list(read(first.path)["leg"]) == [0, 101, 102, 103]
+
+
+def wait_with_points(path, monkeypatch, told):
+    archive = waiting(path, monkeypatch, 3)
+    told.set()
+    time.sleep(60.0)
+    archive.settle()
+
+
+def test_a_run_that_goes_on_is_not_resumed(tmp_path, monkeypatch):
+    path, context = tmp_path / "run.h5", multiprocessing.get_context("fork")
+    told = context.Event()
+    run = context.Process(target=wait_with_points, args=(path, monkeypatch, told))
+    run.start()
+    assert told.wait(60.0) and read(path).points == 4
+    with pytest.raises(ArchiveError, match="may still be running"):
+        Archive.resume(path, **fields_content("all"))
+    run.kill()
+    run.join()
+    assert Archive.resume(path, **fields_content("all")).points == 4
+
+
 def test_an_interrupted_write_is_repaired_by_the_next(tmp_path, monkeypatch):
     archive = Archive.create(tmp_path / "run.h5", **fields_content("all"))
     append(archive, 3)
@@ -798,6 +836,48 @@ def test_a_run_that_takes_its_journal_in_while_it_is_read_hides_no_point(tmp_pat
     monkeypatch.setattr(files, "failure", lambda read: "")
     monkeypatch.setattr(stored, "waiting", meanwhile)
     assert read(archive.path).points == archive.points == 6
+
+
+def test_points_that_are_written_in_place_while_they_are_read_are_there(tmp_path, monkeypatch):
+    """Where a file system knows no locks: the journal is gone, and what was read has not them."""
+    archive, found = waiting(tmp_path / "run.h5", monkeypatch, 5, "none"), stored.waiting
+
+    def meanwhile(file):
+        monkeypatch.setattr(stored, "waiting", found)
+        os.utime(file.filename, ns=(0, 0))
+        return []
+
+    monkeypatch.setattr(stored, "waiting", meanwhile)
+    assert read(archive.path).points == 6
+
+
+def test_a_file_that_could_not_be_read_while_it_changed_is_read_again(tmp_path, monkeypatch):
+    append(archive := Archive.create(tmp_path / "run.h5", **content()), 2)
+    found, tried = stored.waiting, []
+
+    def torn(file):
+        tried.append(file)
+        if len(tried) == 1:
+            os.utime(file.filename, ns=(0, 0))
+            raise ArchiveError("torn")
+        return found(file)
+
+    monkeypatch.setattr(stored, "waiting", torn)
+    assert read(archive.path).points == 2 and len(tried) > 1
+    monkeypatch.setattr(stored, "waiting", lambda file: 1 / 0)
+    with pytest.raises(ArchiveError, match="damaged"):
+        read(archive.path)
+
+
+def test_a_record_that_a_run_has_left_behind_says_so(tmp_path, monkeypatch):
+    archive = Archive.create(tmp_path / "run.h5", **fields_content("last"))
+    append(archive, 2)
+    record = read(archive.path)
+    append(archive, 6)
+    with pytest.raises(ArchiveError, match="gone on since it was read"):
+        record.states()
+    with pytest.raises(ArchiveError, match="gone on since it was read"):
+        record.field("traction", 1)
 
 
 def test_fields_of_the_last_point_are_asked_for_where_the_file_is_written(tmp_path, monkeypatch):
