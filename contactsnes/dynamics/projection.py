@@ -15,8 +15,9 @@ NEW = 1e-6
 ASTRAY = 1e-8
 """Error of an image, as rounding has grown from each vector that is hardly new to the next, from
 which on it is made anew: below what modes are accurate to."""
-ROOM = 24
-"""Vectors that there is room for from the beginning: memory that is not used costs nothing."""
+ROOM = 27
+"""Vectors that there is room for from the beginning, those of a first point: two runs, and motions
+of the surface as a whole. Memory that is not used costs nothing."""
 
 
 @dataclass(frozen=True)
