@@ -262,7 +262,7 @@ def in_bytes(count):
     for unit, size in (("GB", 1e9), ("MB", 1e6)):
         if count >= size:
             return f"{count / size:.{2 if count < 100 * size else 3}g} {unit}"
-    return f"{count / 1e3:.2g} kB"
+    return f"{count / 1e3:.{2 if count < 1e5 else 3}g} kB"
 
 
 def in_time(seconds):
