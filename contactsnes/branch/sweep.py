@@ -26,7 +26,7 @@ from ..output.reading import read
 from ..scene.measured import RIVALS
 from ..scene.scene import Scene
 from ..scene.settings import OPTION_CLASSES, check, of_run
-from ..system.devices import reason
+from ..system.devices import ending, reason
 from ..system.processes import launched, unlaunched
 
 OURS = tuple(cls.prefix for cls in OPTION_CLASSES)
@@ -205,8 +205,8 @@ def _run(values, words, path, jobs, done):
                               filter(None, sys.path))})
     said = [line.partition(": ")[2].partition(": ")[2] for line in done.stderr.splitlines()
             if "error: " in line or resuming.LACKING in line]
-    reason = said[-1] if said else f"exit status {done.returncode}" if done.returncode else ""
-    return values, None if done.returncode == REFUSED else path, reason
+    return (values, None if done.returncode == REFUSED else path,
+            said[-1] if said else ending(done.returncode))
 
 
 def _is_done(path, words):

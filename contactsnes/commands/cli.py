@@ -263,7 +263,15 @@ def compare(arguments):
     about = {"scene": str(comparison.branch.scene), "options": database_text(),
              "versions": str(versions())}
     kept = f"the comparison {stem}"
-    comparison.run(lambda: writing(kept, lambda: comparison_table.save(comparison, stem, about)))
+    saved = []
+    try:
+        comparison.run(lambda: saved.append(
+            writing(kept, lambda: comparison_table.save(comparison, stem, about))))
+    except KeyboardInterrupt:
+        if saved:
+            complain("error", f"interrupted: what was measured is in {stem}.csv and {stem}.h5, and "
+                     "-compare_overwrite begins anew")
+        raise
     for name in unused_options(solver_options()):
         if name[1:] in comparison.given:
             complain("warning", f"{name} was never used: neither this program "

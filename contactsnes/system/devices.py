@@ -66,6 +66,16 @@ def reason(error):
     return inner[1] if inner else os.strerror(number) if number else str(error)
 
 
+def ending(status):
+    """How a process ended, from the status that ``subprocess`` tells; an empty text of success."""
+    if status == -signal.SIGKILL:
+        return "killed by SIGKILL: by somebody, or by a system that lacked memory"
+    if status < 0:
+        known = {number.value: number.name for number in signal.Signals}
+        return f"killed by {known.get(-status, f'signal {-status}')}"
+    return f"exit status {status}" if status else ""
+
+
 def failure(read, patience=120.0):
     """Why a function that reads a file fails, in words; an empty text where it does not.
 

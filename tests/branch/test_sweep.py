@@ -1,5 +1,7 @@
 """Sweeps, branches that begin at a point of an archive, and what objects say of themselves."""
 
+import signal
+import subprocess
 import threading
 from dataclasses import replace
 from types import SimpleNamespace
@@ -208,6 +210,15 @@ def test_what_complete_runs_lack_is_a_failure_and_their_points_are_there(tmp_pat
         assert f"without what -archive_fields {fields} keeps" in asked.failures[128]
         assert asked[128].points > 1
     assert not sweep(Scene(**SMALL), load, **given).failures
+
+
+def test_a_run_that_is_killed_says_by_what(tmp_path, monkeypatch):
+    for number, word in [(signal.SIGKILL, "memory"), (signal.SIGSEGV, "SIGSEGV"), (99, "99")]:
+        monkeypatch.setattr("subprocess.run", lambda *words, number=number, **how:
+                            subprocess.CompletedProcess(words, -number, "", ""))
+        found = sweep(Scene(**SMALL), Load(path="normal_force=1"), folder=tmp_path, progress=False,
+                      normal_maugis=[1])
+        assert word in found.failures[1] and not found
 
 
 @pytest.mark.usefixtures("forks")

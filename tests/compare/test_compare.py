@@ -2,6 +2,7 @@
 PETSc's database in between."""
 
 import csv
+import signal
 from pathlib import Path
 
 import matplotlib
@@ -17,6 +18,7 @@ from petsc4py import PETSc  # noqa: E402
 
 from contactsnes.branch.branch import Branch  # noqa: E402
 from contactsnes.branch.first_points import cold  # noqa: E402
+from contactsnes.commands import cli
 from contactsnes.compare import comparison as compare
 from contactsnes.compare import figure as comparison_figure
 from contactsnes.compare import methods
@@ -483,6 +485,25 @@ def test_command(scene):
     again = call("scene.opts", "hasty.opts", folder=scene)
     assert (again.returncode == 2 and "comparison-scene.csv exists" in again.stderr
             and "-compare_overwrite" in again.stderr)
+
+
+def test_an_interrupted_command_says_where_its_numbers_are(scene, monkeypatch, capsys):
+    follow, passes = compare.Comparison._follow, []
+
+    def interrupted(self, *arguments, **how):
+        passes.append(self)
+        if len(passes) == 3:
+            raise KeyboardInterrupt(signal.SIGTERM)
+        return follow(self, *arguments, **how)
+
+    monkeypatch.setattr(compare.Comparison, "_follow", interrupted)
+    monkeypatch.chdir(scene)
+    words = ["compare", "scene.opts", str(OPTIONS / "newton.opts"), str(OPTIONS / "fire.opts")]
+    assert cli.main(words) == 128 + signal.SIGTERM
+    assert "what was measured is in comparison-scene.csv" in capsys.readouterr().err
+    _, content = tables.read_hdf5(scene / "comparison-scene.h5")
+    assert [set(line) for line in content["results"]["outcome"]] == [
+        {"converged"}, {"converged"}, {"not tried"}]
 
 
 def test_files_of_variants_have_names_of_their_own():
