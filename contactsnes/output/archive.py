@@ -229,7 +229,9 @@ class Archive:
         done = int(leg) - (last.get("position") != 1.0)
         self._refuse(resuming.differences(dict(file["scene"].attrs), file.attrs["options"],
                                           self._scene, self._options, done))
-        more = resuming.has_more(file.attrs["options"], self._options, last.get("event"))
+        there = file.attrs["options"], self._options
+        more = (resuming.has_more(*there, last.get("event"))
+                or resuming.leads_elsewhere(*there, done))
         self.complete = bool(file.attrs["complete"]) and not more
         if self.complete:
             self.lacking = resuming.lacking(file, self._layout.fields, self._layout.columns)

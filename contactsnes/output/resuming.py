@@ -155,6 +155,14 @@ def has_more(options, other_options, event):
     return not _ends(now, event) and (_ends(before, event) or len(legs(now)) > len(legs(before)))
 
 
+def leads_elsewhere(options, other_options, done):
+    """Whether the leg under way, after so many that are done, is another one there and here: a path
+    that an event has ended has to be held against it."""
+    there, here = (list(map(_meaning, legs(entries(text))[done:][:1]))
+                   for text in (options, other_options))
+    return done >= 0 and there != here
+
+
 def _ends(found, event):
     """Whether options end a path at a point for its event."""
     stops = [name.strip() for name in found.get("load_stop", "").split(",")]

@@ -239,6 +239,25 @@ def test_a_complete_archive_stays_as_it_is(rough):
             and (rough / "run.h5").read_bytes() == before)
 
 
+@pytest.mark.parametrize("end, sentence", [
+    ("normal_displacement=-0.5", "beyond its end"), ("normal_displacement=2", "behind its begin"),
+    ("normal_force=1", "begun must be the same"), ("normal_displacement=-4", ""),
+    ("normal_displacement=-3.0", "")])
+def test_a_path_that_an_event_has_ended_is_held_against_the_leg_that_is_asked_for(tmp_path, end,
+                                                                                   sentence):
+    words = ["-scene_points", "128", "-scene_period", "20", "-scene_normal_maugis", "2",
+             "-continuation_at_fold", "stop", "-archive_file", "run.h5", "-archive_resume"]
+    done = run(*words, "-load_path", "normal_displacement=1; normal_displacement=-3",
+               folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    before = reading.read(tmp_path / "run.h5")
+    assert before["event"][-1] == "fold" and before["normal_displacement"][-1] < -0.5
+    again = run(*words, "-load_path", f"normal_displacement=1; {end}", folder=tmp_path)
+    assert again.returncode == (2 if sentence else 0) and sentence in again.stderr
+    after = reading.read(tmp_path / "run.h5")
+    assert after.complete and after.points == before.points
+
+
 def test_legs_that_are_done_must_be_the_same(rough):
     path = "normal_displacement=0.2; normal_displacement=0.5"
     done = run(*ROUGH, "-scene_geometry_file", "heights.npy", "-load_path", path, folder=rough)
