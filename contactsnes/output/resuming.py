@@ -156,8 +156,14 @@ def has_more(options, other_options, event):
 
 
 def leads_elsewhere(options, other_options, done):
-    """Whether the leg under way, after so many that are done, is another one there and here: a path
-    that an event has ended has to be held against it."""
+    """Whether the leg under way is another one there and here: a path that an event has ended has to
+    be held against it.
+
+    Parameters
+    ----------
+    options, other_options : text of the options there and here
+    done : number of legs that are done there
+    """
     there, here = (list(map(_meaning, legs(entries(text))[done:][:1]))
                    for text in (options, other_options))
     return done >= 0 and there != here
