@@ -156,8 +156,8 @@ def has_more(options, other_options, event):
 
 
 def leads_elsewhere(options, other_options, done):
-    """Whether the leg under way is another one there and here: a path that an event has ended has to
-    be held against it.
+    """Whether the leg under way is another one there and here: a path that an event has ended has
+    to be held against it.
 
     Parameters
     ----------
