@@ -84,15 +84,17 @@ class Iterations:
     vectors : arrays to work in, the first of which may be that
     space : Basis in single precision, or `Short`
     made : Basis of what the preconditioner made of its rows, or None
-    cancelled, left : parts of a vector, as of `solvers.basis.orthogonalised`
+    orthogonality : `solvers.basis.Orthogonality`
+    left : float, part of a vector that counts as none
     applied : what is called when the preconditioner was applied, or None
     """
 
-    def __init__(self, kernel, zone, choose, begin, vectors, space, made, cancelled, left,
+    def __init__(self, kernel, zone, choose, begin, vectors, space, made, orthogonality, left,
                  applied=None):
         self._kernel, self._zone, self._counter = kernel, zone, kernel.grid.counter
         self._choose, self._applied = choose, applied
-        self._vectors, self._bases, self._bounds = vectors, (space, made), (cancelled, left)
+        self._vectors, self._bases = vectors, (space, made)
+        self._orthogonality, self._left = orthogonality, left
         shared().narrowed(len(begin), address(begin), address(vectors[0]))
 
     def __call__(self, place, factor):
@@ -112,7 +114,8 @@ class Iterations:
         self._choose()
         call(shared().iterate, self._counter, self._kernel.reference, self._zone.reference, place,
              len(vector), *space.rows.places(), factor, address(vector), address(out), *kept,
-             *self._bounds, address(room[0]), address(room[1]))
+             self._orthogonality.bound, self._left, address(room[0]), address(room[1]))
+        self._orthogonality.after(room[0])
         if self._applied:
             self._applied()
         return room[0]

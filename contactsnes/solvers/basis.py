@@ -11,10 +11,17 @@ PIECE = 2 ** 13
 """Numbers of a row that are taken at a time, a multiple of `LENGTH`."""
 SHORTEST = 32767.0
 """Largest of the short integers."""
+SKEWED = {float: 1e-14, np.float32: 5e-9, np.int16: 5e-7}
+"""Products with other rows, over the lengths, that rounding leaves of a row whose product with
+these was no longer than itself: what it leaves of a row's numbers is in no direction that others
+have (measured)."""
 CANCELLED = 1e-3
-"""Part of a vector below which what is left of it is made orthogonal once more."""
+"""Part of a vector below which what is left of it is made orthogonal once more in any case."""
+SKEW = 1e-4
+"""Estimate of the products of rows of unit length, which are to be orthogonal, that is allowed: a
+hundred times more, and the residual that a cycle claims is not the true one any more."""
 LEFT = 1e-13
-"""The same of a vector that the others span."""
+"""Part of a vector below which nothing is left of it: the others span it."""
 
 
 def wide(row, first=0, count=None):
@@ -103,17 +110,18 @@ class Basis:
 
     Attributes
     ----------
+    kind : type of their numbers
     rows : list of them
     """
 
     def __init__(self, kind, products, grid, size):
-        self._kind, self._products, self.rows = kind, products, products.Rows()
+        self.kind, self._products, self.rows = kind, products, products.Rows()
         self._grid, self._size = grid, size
 
     @property
     def single(self):
         """Whether rows are in single precision, or less."""
-        return self._kind is not float
+        return self.kind is not float
 
     def make(self, place):
         """Have a row of that number, the first that is free at most."""
@@ -122,7 +130,7 @@ class Basis:
 
     def _new(self):
         """A row."""
-        return np.empty(self._size, dtype=self._kind)
+        return np.empty(self._size, dtype=self.kind)
 
     def keep(self, place, vector, factor=1.0):
         """Take a vector times a positive number, in place, as a row.
@@ -152,6 +160,10 @@ class Basis:
 class Short(Basis):
     """Rows that are `Rounded`: what is taken of a vector, and left of it, is the rounded one, so
     that products with it are exact; parameters as of `Basis`."""
+
+    def __init__(self, *given):
+        super().__init__(*given)
+        self.kind = np.int16
 
     def _new(self):
         """A row."""
@@ -204,7 +216,36 @@ class InSingle:
     rounded = staticmethod(rounded)
 
 
-def orthogonalised(space, count, vector):
+class Orthogonality:
+    """How far from orthogonal the rows of a cycle may be, and so when a vector is made orthogonal
+    to them once more.
+
+    What rounding leaves of products with earlier rows grows with each row by the length of its
+    vector over what is left of that: no matter where the residual falls with it (Giraud, Langou,
+    Rozloznik and van den Eshof, Numer. Math. 101, 87, 2005), but much where solves stagnate.
+
+    Parameters
+    ----------
+    kind : type of the numbers of rows, as in `SKEWED`
+
+    Attributes
+    ----------
+    bound : part of a vector below which what is left of it is made orthogonal once more
+    """
+
+    def __init__(self, kind):
+        self._skew = SKEWED[kind]
+        self.bound = CANCELLED
+
+    def after(self, column):
+        """Take note of the products of a vector with the rows, and last what is left."""
+        before, left = math.sqrt(column @ column), column[-1]
+        if self.bound * before <= left:
+            self._skew *= max(1.0, before / left)
+            self.bound = max(CANCELLED, self._skew / SKEW)
+
+
+def orthogonalised(space, count, vector, bound=CANCELLED):
     """Make a vector orthogonal to the first rows of a basis, in place; its products with them, and
     the norm of what is left: 0 for one that they span.
 
@@ -213,10 +254,11 @@ def orthogonalised(space, count, vector):
     space : Basis
     count : int
     vector : array
+    bound : float, as of `Orthogonality`
     """
     found, before = space.inner(count, vector)
     left = space.add(-found, vector)
-    if left < CANCELLED * before:
+    if left < bound * before:
         again, _ = space.inner(count, vector)
         left = space.add(-again, vector)
         found += again

@@ -1,6 +1,6 @@
 """Iterations of a cycle of GMRES by PETSc's operator and preconditioner."""
 
-from .basis import orthogonalised
+from .basis import Orthogonality, orthogonalised
 
 
 class Iterations:
@@ -17,6 +17,7 @@ class Iterations:
     def __init__(self, operator, pc, begin, vectors, space, made):
         self._operator, self._pc = operator, pc
         self._vectors, self._bases = vectors, (space, made)
+        self._orthogonality = Orthogonality(space.kind)
         if begin is not vectors[0]:
             begin.copy(vectors[0])
 
@@ -35,7 +36,9 @@ class Iterations:
         if made:
             made.keep(place, work.getArray())
         self._operator.mult(work, vector)
-        return orthogonalised(space, place + 1, vector.getArray())
+        found = orthogonalised(space, place + 1, vector.getArray(), self._orthogonality.bound)
+        self._orthogonality.after(found)
+        return found
 
     def end(self, factors):
         """Fill the second vector with what is added to the solution.

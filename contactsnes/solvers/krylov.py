@@ -10,7 +10,7 @@ from petsc4py import PETSc
 
 from ..grid.patches import taken
 from ..kernels import krylov as compiled
-from .basis import CANCELLED, LEFT, Basis, InDouble, InSingle, Short
+from .basis import LEFT, Basis, InDouble, InSingle, Orthogonality, Short
 from .iterations import Iterations
 from .operators import form_of
 from .precision import PATIENCE, ROUNDED, SAFE
@@ -260,4 +260,5 @@ class GMRES:
         arrays = [vector.getArray() for vector in vectors]
         given = arrays[0] if begin is vectors[0] else begin.getArray(readonly=True)
         *own, applied = own
-        return compiled.Iterations(*own, given, arrays, *bases, CANCELLED, LEFT, applied)
+        return compiled.Iterations(*own, given, arrays, *bases,
+                                   Orthogonality(bases[0].kind), LEFT, applied)

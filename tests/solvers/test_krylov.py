@@ -16,6 +16,15 @@ from contactsnes.kernels import library  # noqa: E402
 from contactsnes.scene.load import Load  # noqa: E402
 from contactsnes.scene.settings import Form, Scene, Steps  # noqa: E402
 from contactsnes.solvers import basis, callbacks, krylov  # noqa: E402
+from contactsnes.solvers.basis import (  # noqa: E402
+    Basis,
+    InDouble,
+    InSingle,
+    Orthogonality,
+    Short,
+    orthogonalised,
+    wide,
+)
 from contactsnes.solvers.krylov import GMRES, of_ksp  # noqa: E402
 from contactsnes.solvers.ritz import ritz_values  # noqa: E402
 
@@ -291,6 +300,35 @@ def test_vectors_are_rounded_by_pieces(rng, size):
         np.testing.assert_array_equal(same.wide(), scaled)
         products.rounded(nothing := np.zeros(size), same)
         assert not nothing.any() and not same.numbers.any()
+
+
+@pytest.mark.parametrize("interpreted", WAYS)
+@pytest.mark.parametrize("kind", (Short, Basis, float))
+def test_rows_stay_orthogonal_where_little_is_left_of_vectors(rng, monkeypatch, interpreted,
+                                                              kind):
+    """A three hundredth of each, in a solve that stagnates: what rounding left of products grew by
+    that with each row, and the residual was not what a cycle claimed."""
+    parts = ((float, InDouble) if kind is float else
+             (np.float32, InSingle if interpreted else compiled))
+    found = []
+    for skew in (np.inf, basis.SKEW):
+        monkeypatch.setattr(basis, "SKEW", skew)
+        space = (Basis if kind is float else kind)(*parts, ALONE, 20 * LENGTH)
+        orthogonality = Orthogonality(space.kind)
+        vector, rows = rng.normal(size=20 * LENGTH), []
+        for place in range(24):
+            space.keep(place, vector, 1.0 / np.linalg.norm(vector))
+            rows.append(np.array(wide(space.rows[place]) if kind is not float
+                                 else space.rows[place]))
+            part = rng.normal(size=place + 1) / np.sqrt(place + 1)
+            vector = 300.0 * part @ np.array(rows)
+            fresh = rng.normal(size=len(vector))
+            vector += fresh / np.linalg.norm(fresh)
+            column = orthogonalised(space, place + 1, vector, orthogonality.bound)
+            orthogonality.after(column)
+        products = np.array(rows) @ np.transpose(rows)
+        found.append(np.abs(products - np.diag(np.diag(products))).max())
+    assert found[0] > 0.5 > 0.05 > found[1]
 
 
 def test_what_is_no_number_stays_none_when_it_is_rounded():
