@@ -37,9 +37,9 @@ ROUGHLY = Control(2.0, 0.4, 2e-2, 0.1)
 FREELY, SHEARED_FREELY = (Control(4.0, 0.5, 2e-2, left) for left in (0.15, 5e-3))
 """Of `rough` ones from elsewhere, which no unstable state is near, of the normal component and of
 several: what linear solves leave of these would keep the motion up."""
-SHEARED = Control(0.2, 0.4, 2e-2, 1e-2)
+SHEARED = Control(0.2, 0.4, 2e-2, 0.1)
 """Of those whose works are summed up where there are many spots: shorter steps make these more
-exact than `FOLLOWED` does, at three quarters of its transforms."""
+exact than `FOLLOWED` does, at two thirds of its transforms."""
 CAREFUL, MANY = {**dict.fromkeys((ROUGHLY, FREELY, SHEARED_FREELY),
                                  Control(1.0, 0.25, 1e-2, 1e-3)), SHEARED: FOLLOWED}, 100
 """What takes the place of these from so many steps on: what their linear solves and long steps

@@ -334,7 +334,7 @@ def test_what_solves_leave_does_not_keep_a_motion_up():
 
 
 def test_jumps_of_a_sheared_rough_plane_end_where_exact_motion_does(monkeypatch):
-    """Their works are those of more exact motion to a hundredth, at three quarters of what motion
+    """Their works are those of more exact motion to a hundredth, at two thirds of what motion
     takes elsewhere."""
     scene = Scene(dimension=2, geometry="rough", rough_on="flat", rough_hurst=0.8,
                   rough_longest=6.0, rough_shortest=1.5, rough_slope=1.0, rough_seed=5, points=32,
@@ -348,7 +348,7 @@ def test_jumps_of_a_sheared_rough_plane_end_where_exact_motion_does(monkeypatch)
         points = list(Branch(scene, load, Steps(initial_step=0.5, largest_step=0.5)))
         found[name] = [point for point in points if point.event == "jump"]
     costs = {name: sum(weighed(point.spent) for point in points) for name, points in found.items()}
-    assert 0.0 < costs["own"] < 0.85 * costs["elsewhere"]
+    assert 0.0 < costs["own"] < 0.75 * costs["elsewhere"]
     for told, true in zip(found["own"], found["exact"], strict=True):
         np.testing.assert_allclose(told.forces, true.forces, rtol=1e-3, atol=1e-3)
         assert told.jump_work == pytest.approx(true.jump_work, rel=2e-3)
