@@ -5,7 +5,6 @@ import hashlib
 import itertools
 import os
 import re
-import subprocess
 import sys
 from collections import Counter
 from collections.abc import Hashable, Mapping
@@ -26,6 +25,7 @@ from ..output.reading import read
 from ..scene.measured import RIVALS
 from ..scene.scene import Scene
 from ..scene.settings import OPTION_CLASSES, check, of_run
+from ..system import children
 from ..system.devices import ending, reason
 from ..system.processes import launched, unlaunched
 
@@ -97,6 +97,7 @@ class Sweep(Mapping):
                          for values in _combined(self.parameters)])
 
 
+@children.ended_with_this()
 def sweep(scene, load, *, folder="sweep", jobs=1, steps=None, form=None, fields="none",
           progress=True, **parameters):
     """Run a scene with all combinations of values of parameters; runs that are done already in the
@@ -199,10 +200,10 @@ def _run(values, words, path, jobs, done):
     arguments = [part for name, value in words.items()
                  for part in ([f"-{name}", value] if value else [f"-{name}"])]
     one = {"OMP_NUM_THREADS": "1"} if jobs > 1 else {}
-    done = subprocess.run([sys.executable, "-m", "contactsnes", "run", *arguments, "-archive_file",
-                           str(path), "-archive_resume"], capture_output=True, text=True,
-                          check=False, env={**unlaunched(), **one, "PYTHONPATH": os.pathsep.join(
-                              filter(None, sys.path))})
+    done = children.run([sys.executable, "-m", "contactsnes", "run", *arguments, "-archive_file",
+                         str(path), "-archive_resume"],
+                        {**unlaunched(), **one,
+                         "PYTHONPATH": os.pathsep.join(filter(None, sys.path))})
     said = [line.partition(": ")[2].partition(": ")[2] for line in done.stderr.splitlines()
             if "error: " in line or resuming.LACKING in line]
     return (values, None if done.returncode == REFUSED else path,

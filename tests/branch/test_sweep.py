@@ -1,10 +1,13 @@
 """Sweeps, branches that begin at a point of an archive, and what objects say of themselves."""
 
+import os
 import signal
 import subprocess
+import sys
 import threading
+import time
 from dataclasses import replace
-from types import SimpleNamespace
+from pathlib import Path
 
 import numpy as np
 import processes
@@ -27,10 +30,10 @@ SI = dict(units="si", work_of_adhesion_normal=0.03, work_of_adhesion_tangential=
 @pytest.fixture
 def forks(monkeypatch, tmp_path):
     """Runs of sweeps are forks of a process that has imported what they need."""
-    def run(words, **_):
+    def run(words, _):
         return processes.run(*words[1:], folder=tmp_path)
 
-    monkeypatch.setattr("contactsnes.branch.sweep.subprocess", SimpleNamespace(run=run))
+    monkeypatch.setattr("contactsnes.branch.sweep.children.run", run)
 
 
 def kept(branch, path, fields="all"):
@@ -139,7 +142,7 @@ def test_a_sweep_finds_what_theory_says_and_is_taken_up_again(tmp_path, jobs, mo
     theory = [reference.maugis_line_pull_off(value, 40.0)[0] for value in values]
     assert found.take("normal_force", min) == pytest.approx(theory, rel=0.15)
     assert "normal_maugis of 2 values: 2 runs" in repr(found)
-    monkeypatch.setattr("contactsnes.branch.sweep.subprocess.run", lambda *_, **__: 1 / 0)
+    monkeypatch.setattr("contactsnes.branch.sweep.children.run", lambda *_: 1 / 0)
     again = sweep(Scene(points=256, period=40.0), load, folder=tmp_path / "runs", progress=False,
                   normal_maugis=values)
     assert np.array_equal(again.take("normal_force"), found.take("normal_force"))
@@ -214,11 +217,44 @@ def test_what_complete_runs_lack_is_a_failure_and_their_points_are_there(tmp_pat
 
 def test_a_run_that_is_killed_says_by_what(tmp_path, monkeypatch):
     for number, word in [(signal.SIGKILL, "memory"), (signal.SIGSEGV, "SIGSEGV"), (99, "99")]:
-        monkeypatch.setattr("subprocess.run", lambda *words, number=number, **how:
+        monkeypatch.setattr("contactsnes.branch.sweep.children.run",
+                            lambda words, _, number=number:
                             subprocess.CompletedProcess(words, -number, "", ""))
         found = sweep(Scene(**SMALL), Load(path="normal_force=1"), folder=tmp_path, progress=False,
                       normal_maugis=[1])
         assert word in found.failures[1] and not found
+
+
+TERM = """
+import os, signal, sys, threading, time
+from contactsnes.system import children
+
+def end():
+    while not children._running:
+        time.sleep(0.01)
+    print(*(child.pid for child in children._running), flush=True)
+    os.kill(os.getpid(), signal.SIGTERM)
+
+threading.Thread(target=end, daemon=True).start()
+with children.ended_with_this():
+    children.run([sys.executable, "-S", "-c", "import time; time.sleep(60)"], dict(os.environ))
+"""
+
+
+def test_a_run_ends_with_its_sweep():
+    """Terminated, the program left its runs behind, which went on."""
+    done = subprocess.run([sys.executable, "-c", TERM], capture_output=True, text=True,
+                          timeout=30, check=False)
+    assert done.returncode == -signal.SIGTERM, done.stderr
+    for _ in range(500):
+        try:
+            os.kill(int(done.stdout), 0)
+        except ProcessLookupError:
+            return
+        if "\nState:\tZ" in Path(f"/proc/{int(done.stdout)}/status").read_text("utf-8"):
+            return  # nobody has asked for its status
+        time.sleep(0.01)
+    raise AssertionError("it goes on")
 
 
 @pytest.mark.usefixtures("forks")
