@@ -253,7 +253,7 @@ def compare(arguments):
         return _help_on_options(arguments, (CompareOptions,))
     comparison, stem = start_comparison(arguments, partial(print, flush=True))
     from ..compare import table as comparison_table
-    from .showing import writing
+    from .showing import Saved, writing
 
     def drawn():
         from ..compare.figure import plot_comparison  # and matplotlib, which others need not import
@@ -262,13 +262,12 @@ def compare(arguments):
 
     about = {"scene": str(comparison.branch.scene), "options": database_text(),
              "versions": str(versions())}
-    kept = f"the comparison {stem}"
-    saved = []
+    save = Saved(f"the comparison {stem}",
+                 lambda: comparison_table.save(comparison, stem, about))
     try:
-        comparison.run(lambda: saved.append(
-            writing(kept, lambda: comparison_table.save(comparison, stem, about))))
+        comparison.run(save)
     except KeyboardInterrupt:
-        if saved:
+        if save.done:
             complain("error", f"interrupted: what was measured is in {stem}.csv and {stem}.h5, and "
                      "-compare_overwrite begins anew")
         raise
@@ -277,7 +276,8 @@ def compare(arguments):
             complain("warning", f"{name} was never used: neither this program "
                      "nor any PETSc object in use asks for it")
     print("", *comparison_table.lines(comparison), sep="\n")
-    figures = writing(kept, drawn) if comparison.watched else []
+    save.check()
+    figures = writing(save.path, drawn) if comparison.watched else []
     print(f"{stem}.csv", f"{stem}.h5", *figures, sep="\n", flush=True)
     return 0 if any(comparison.finished(method) for method in comparison.methods) else 1
 

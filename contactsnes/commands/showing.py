@@ -18,6 +18,7 @@ from ..output.asked import (
 )
 from ..output.files import WriteError
 from ..output.reading import NoColumn
+from ..system.devices import reason
 from .speech import complain, told
 
 PLOT = {"pdf": ("plot_format", "png,pdf"), "output": ("plot_output", None),
@@ -81,7 +82,50 @@ def writing(path, make):
     except OSError as error:
         full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
         raise (WriteError if full else InputError)(
-            f"what is made of {path} cannot be written: {error}") from None
+            f"what is made of {path} cannot be written: {_refused(error)}") from None
+
+
+def _refused(error):
+    """Why a file cannot be written, and which one, in words; what to do where that is known."""
+    if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS) and error.filename:
+        return (f"the folder {Path(error.filename).parent} takes no files from this user "
+                f"({reason(error)}); name another with -output, figures with -plot_output")
+    return f"{reason(error)}: {error.filename}" if error.filename else reason(error)
+
+
+class Saved:
+    """What is written again and again as more of it is known; where a disk does not take it, all
+    goes on, for what is known is shown at the end.
+
+    Parameters
+    ----------
+    path : str, what errors call it
+    make : function without arguments that writes it
+
+    Attributes
+    ----------
+    done : bool, whether there is something on the disk
+    """
+
+    def __init__(self, path, make):
+        self.path, self._make = path, make
+        self.done, self._lost = False, None
+
+    def __call__(self):
+        """Write it; the first time that fails is told."""
+        try:
+            writing(self.path, self._make)
+        except (WriteError, InputError) as error:
+            if self._lost is None:
+                complain("warning", f"{error}: what is measured is shown at the end")
+            self._lost = error
+        else:
+            self.done, self._lost = True, None
+
+    def check(self):
+        """WriteError or InputError if what is known last is not on the disk."""
+        if self._lost is not None:
+            raise self._lost
 
 
 def plot(arguments):
@@ -136,8 +180,8 @@ def table(arguments):
         complain("warning", note)
     written = writing(", ".join(paths), lambda: tabular.write_table(paths, found, asked))
     status = told(written or tabular.as_csv(found, asked.units).rstrip("\n"))
-    for reason in found.unread:
-        complain("error", reason)
+    for why in found.unread:
+        complain("error", why)
     return 2 if found.unread else status
 
 

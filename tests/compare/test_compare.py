@@ -2,6 +2,7 @@
 PETSc's database in between."""
 
 import csv
+import errno
 import signal
 from pathlib import Path
 
@@ -504,6 +505,21 @@ def test_an_interrupted_command_says_where_its_numbers_are(scene, monkeypatch, c
     _, content = tables.read_hdf5(scene / "comparison-scene.h5")
     assert [set(line) for line in content["results"]["outcome"]] == [
         {"converged"}, {"converged"}, {"not tried"}]
+
+
+def test_a_full_disk_loses_no_numbers(scene, monkeypatch, capsys):
+    """What was measured was not shown where it could not be kept."""
+    def full(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("contactsnes.compare.table.save", full)
+    monkeypatch.chdir(scene)
+    words = ["compare", "scene.opts", str(OPTIONS / "newton.opts"), str(OPTIONS / "fire.opts")]
+    assert cli.main(words) == 1
+    out, err = capsys.readouterr()
+    assert "3 of 3 methods finished the path" in out and "comparison-scene.csv" not in out
+    assert [line.split(": ")[1] for line in err.splitlines()] == ["warning", "error"]
+    assert err.count("No space left on device") == 2
 
 
 def test_files_of_variants_have_names_of_their_own():

@@ -1,11 +1,14 @@
 """Tables, figures and movies on a disk that is full: what was there stays, nothing is left half
 written."""
 
+import errno
 import os
 
 import pytest
 from processes import ROOT, call, run
 
+from contactsnes.commands.showing import writing
+from contactsnes.options.fields import InputError
 from contactsnes.output.tables import replaced
 
 SHOW = """
@@ -80,3 +83,12 @@ def test_a_device_and_a_link_are_written_to(tmp_path):
     replaced(pipe, lambda path: path.write_text("told", encoding="utf-8"))
     assert os.read(end, 9) == b"told" and pipe.exists()
     os.close(end)
+
+
+def test_a_folder_that_takes_no_files_is_named_with_what_to_do():
+    """Instead of a file that nobody has named, whose name ends in .partial."""
+    def refuse():
+        raise PermissionError(errno.EACCES, "Permission denied", "there/run-shear.partial.png")
+
+    with pytest.raises(InputError, match="the folder there takes no files .*-plot_output"):
+        writing("run.h5", refuse)
