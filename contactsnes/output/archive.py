@@ -10,7 +10,7 @@ import time
 
 import numpy as np
 
-from . import checksums, resuming, stored
+from . import checksums, files, resuming, stored
 from .columns import put_attributes
 from .files import FORMAT, ArchiveError, check_folder, check_new, resolved, safely
 from .journal import Journal, beside, next_key
@@ -236,6 +236,7 @@ class Archive:
         if self.complete:
             self.lacking = resuming.lacking(file, self._layout.fields, self._layout.columns)
             return
+        files.check_unprotected(self.path)
         self._check_layout(file)
         told = file.attrs.get("warnings", "").splitlines()
         self._warnings = "\n".join([*told, *(line for line in self._warnings.splitlines()

@@ -146,6 +146,14 @@ def check_folder(path):
             f"The folder of the archive {path} cannot be written: name another -archive_file.")
 
 
+def check_unprotected(path):
+    """Raise for a file that is protected against being written: in a folder that is not, another
+    one would take its place."""
+    if path.exists() and not os.access(path, os.W_OK):
+        raise ArchiveError(f"{path} is protected against being written: take that away (chmod u+w "
+                           "does where it is yours), or name another -archive_file.")
+
+
 def check_new(path, overwrite):
     """Raise if no archive can be made at `path`, or only in place of what is not to be replaced."""
     check_folder(path)
@@ -157,4 +165,5 @@ def check_new(path, overwrite):
         raise ArchiveError(f"{path} exists: -archive_resume goes on from "
                            "it, -archive_overwrite replaces it, another "
                            "-archive_file leaves it alone.")
+    check_unprotected(path)
     open_archive(path).close()  # what is no archive is not ours to destroy

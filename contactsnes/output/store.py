@@ -12,6 +12,7 @@ import contextlib
 import errno
 import math
 import os
+import shutil
 
 from ..system.devices import Lenient, reason
 from . import stored
@@ -162,6 +163,9 @@ class Store:
             device.check()
             with open(partial, "rb+") as file:
                 os.fsync(file.fileno())
+            # who may read and write it stays
+            with contextlib.suppress(OSError):
+                shutil.copymode(self.path, partial)
             os.replace(partial, self.path)
         finally:
             with contextlib.suppress(OSError):

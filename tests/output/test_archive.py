@@ -493,6 +493,33 @@ def test_an_existing_archive_is_replaced_only_when_asked(tmp_path):
     assert read(tmp_path / "run.h5").points == 1
 
 
+def test_a_protected_archive_is_neither_replaced_nor_gone_on_with(tmp_path, monkeypatch):
+    """In a folder that can be written, another file took its place."""
+    path = tmp_path / "run.h5"
+    append(Archive.create(path, **content()), 2)
+    allowed = os.access
+    monkeypatch.setattr(os, "access", lambda name, mode, **how:
+                        name != path and allowed(name, mode, **how))
+    for attempt in (lambda: Archive.create(path, overwrite=True, **content()),
+                    lambda: Archive.resume(path, **content())):
+        with pytest.raises(ArchiveError, match="run.h5 is protected against being written"):
+            attempt()
+    assert read(path).points == 2
+    monkeypatch.undo()
+    Archive.resume(path, **content()).finish()
+    monkeypatch.setattr(os, "access", lambda name, mode, **how: name != path)
+    assert Archive.resume(path, **content()).complete
+
+
+def test_who_may_read_an_archive_stays(tmp_path):
+    """Written anew, it is readable for those only who could read it before."""
+    archive = Archive.create(tmp_path / "run.h5", **content())
+    archive.path.chmod(0o600)
+    append(archive, 2)
+    archive.finish()
+    assert archive.path.stat().st_mode & 0o777 == 0o600
+
+
 def test_what_is_no_archive_is_neither_read_nor_destroyed(tmp_path):
     text, other = tmp_path / "scene.opts", tmp_path / "other.h5"
     text.write_text("-scene_points 64")
