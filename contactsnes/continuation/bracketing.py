@@ -170,18 +170,14 @@ class BracketingSteps(NaturalSteps):
     def _look_ahead(self, error, step):
         """Yield what stops the steps; where that is not found, or motion finds no way out of it,
         what motion leads to further on, to the leg's end if need be: no path ends because a spot
-        will not settle."""
+        will not settle. Where nothing is found at all, shorter steps go on."""
         try:
             yield from self._fold(error, 4.0 * step)
             return
         except NotConverged as failure:
-            reason = failure
+            reason, unknown = failure, isinstance(failure, NoFold)
         place, last = self.history[-1]
-        doubled = [self.shortest]
-        while place + doubled[-1] < 1.0:
-            doubled.append(2.0 * doubled[-1])
-        for width in (4.0 * step, BRACKET * self.shortest, *doubled):
-            beyond = min(place + width, 1.0)
+        for beyond in self._further(place, 4.0 * step):
             where = f"at {self._place(beyond)}"
             try:
                 point = self.system.settle(last.state, self.leg.controls, self.leg.load(beyond),
@@ -189,26 +185,44 @@ class BracketingSteps(NaturalSteps):
             except NotConverged as failure:
                 reason = failure
                 continue
-            self.system.log(f"{reason}: the path goes on {where}, where motion from its last "
-                            "point leads; the load of that jump is known to this step only")
-            yield from self._jumped(point, beyond, where)
+            yield from self._jumped(point, beyond, where, reason)
             return
-        if not isinstance(reason, NoFold):
+        if not unknown:
             raise reason
-        yield from super()._look_ahead(reason, step)
+        self._shorten(reason, step)
 
-    def _jumped(self, point, beyond, where):
-        """Yield the last point as a fold, if it is not told of, and a point to which motion under
-        a load beyond leads.
+    def _further(self, place, step):
+        """Yield places beyond a place and a step from it, up to the leg's end."""
+        yield from (min(place + width, 1.0) for width in (step, BRACKET * self.shortest))
+        width = self.shortest
+        while place + width < 1.0:
+            yield place + width
+            width *= 2.0
+        yield 1.0
+
+    def _jumped(self, point, beyond, where, reason):
+        """Yield the last point as a fold, if it is not told of, and, by default, a point to which
+        motion under a load beyond leads.
 
         Parameters
         ----------
         point : Point
         beyond : position of that load
         where : str, what messages say of it
+        reason : NotConverged, why nothing nearer is known
         """
         (place, last), spent = self.history[-1], self.system.account()
         fold = replace(self._marked(last, beyond - place), spent=dict.fromkeys(spent, 0))
+        if self.at_fold == "stop":
+            self.stopped = True
+            self.system.log(f"{reason}: the path stops at {self._place(place)}, since motion from "
+                            f"there comes to rest {where}; the load of that fold is known to this "
+                            "step only")
+            if last.event != "fold":
+                yield replace(fold, spent=spent)
+            return
+        self.system.log(f"{reason}: the path goes on {where}, where motion from its last point "
+                        "leads; the load of that jump is known to this step only")
         self.history = []
         point = replace(point, leg=self.leg.number, position=beyond, step=self.leg.initial,
                         event="jump")

@@ -124,9 +124,13 @@ class NaturalSteps(LoadSteps):
         try:
             yield from self._fold(error, 4.0 * step)
         except NoFold as failure:
-            if step < self.leg.smallest:
-                self._give_up(failure, f"at {self._place(1.0)}")
-            self.system.log(f"{failure}: going on with shorter steps")
+            self._shorten(failure, step)
+
+    def _shorten(self, failure, step):
+        """Have steps that are shorter than one go on after a failure; give up where none are."""
+        if step < self.leg.smallest:
+            self._give_up(failure, f"at {self._place(1.0)}")
+        self.system.log(f"{failure}: going on with shorter steps")
 
     def _resumed(self):
         """What follows a fold that the path goes on from, whose way out is not known any more."""

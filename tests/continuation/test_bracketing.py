@@ -280,6 +280,32 @@ def test_where_motion_ends_nowhere_the_reason_is_told_and_the_points_stay():
     assert points and "a spot at x = 3" in str(error)
 
 
+def test_shorter_steps_go_on_where_neither_fold_nor_motion_is_found():
+    """As where a solver fails on some steps, and nothing comes to rest."""
+    class Tired(Late):
+        tried = 0
+
+        def settle(self, *_):
+            self.tried += 1
+            raise NotConverged("a spot at x = 3 does not settle")
+
+    def fails(load):
+        return load > 0.2 and not system.tried
+
+    system = Tired(curve(lambda u: u, np.ones_like), fails=fails, arc_fails=fails)
+    points, error = bracketed(system, [0.0, 1.0], [0.0])
+    assert error is None and events(points) == [] and points[-1].load[0] == 1.0
+    assert system.tried and any("shorter steps" in said for said in system.sentences)
+
+
+def test_a_path_that_is_to_stop_at_folds_stops_where_only_motion_leads_on():
+    system = Late(cubic(), arc_fails=lambda load: load > 0.3)
+    points, error = bracketed(system, [-1.875, 2.0], [-1.5], at_fold="stop")
+    assert error is None and events(points) == ["fold"] and points[-1].event == "fold"
+    assert points[-1].load[0] <= CUBIC_FOLD < points[-1].load[0] + 0.2
+    assert any("the path stops" in said for said in system.sentences)
+
+
 @pytest.mark.parametrize("until", (0.5, 0.9, 1.99))
 def test_a_path_goes_on_where_motion_comes_to_rest_again(until):
     """Beyond the fold, which is located, a body has but a cycle to go round in."""
