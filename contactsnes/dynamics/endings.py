@@ -11,8 +11,9 @@ NEAR, FAR = 2.0, 5.0
 it."""
 TIMES = 3
 """Returns to one state that tell of a cycle."""
-AS_FAR = 0.98
-"""Part of a round's extent that the last one has at least: less of a spiral that comes to rest."""
+SAME = 0.02
+"""Part of a round's extent that the last one differs by at most: more of a spiral, inwards to where
+it rests, or outwards from an unstable state to somewhere else."""
 
 
 class Unsettled(RuntimeError):
@@ -51,18 +52,18 @@ class Rounds:
         self._steps += 1
         if self._steps >= self._keep:
             self._keep *= 2
-            self._kept, self._farthest, self._returns = moment, 0.0, []
+            self._kept, self._farthest, self._returns = moment.unknown, 0.0, []
             return False
         if self._kept is None:
             return False
-        away = size(moment.unknown - self._kept.unknown)
+        away = size(moment.unknown - self._kept)
         self._farthest = max(self._farthest, away)
         if not (away < NEAR * moved and self._farthest > FAR * moved):
             return False
         self._returns.append((moment.time, self._farthest))
         self._farthest = 0.0
         times, extents = np.transpose(self._returns)
-        if len(times) < TIMES or extents[-1] < AS_FAR * extents[0]:
+        if len(times) < TIMES or abs(extents[-1] - extents[0]) > SAME * extents[0]:
             return False
         self.period = float(times[-1] - times[0]) / (len(times) - 1)
         return True

@@ -386,7 +386,8 @@ def test_a_motion_that_goes_round_is_told_from_one_that_comes_to_rest():
     step, period = turned(0.0)
     assert 64 + 3 * 2.0 * np.pi / 0.25 < step < 256
     assert period == pytest.approx(0.5 * 2.0 * np.pi / 0.25, rel=0.03)
-    for spiral in ({"shrinks": 2e-3}, {"shrinks": 0.0, "drifts": 0.1}, {"shrinks": 0.02}):
+    for spiral in ({"shrinks": 2e-3}, {"shrinks": 0.0, "drifts": 0.1}, {"shrinks": 0.02},
+                   {"shrinks": -2e-3}, {"shrinks": -0.01}):  # (from an unstable state elsewhere)
         assert turned(**spiral) is None
 
 
