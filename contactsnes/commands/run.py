@@ -106,6 +106,7 @@ class Run:
             return archive
         history = [self.branch.restored(state) for state in archive.states()]
         self.waiting = 0 if self.settings.steps.at_fold == "trace" else unfinished_fold(history)
+        self.branch.history = history  # all of them have to lie on the path
         self.branch.history = history[:len(history) - self.waiting]
         return archive
 

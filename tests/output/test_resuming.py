@@ -240,7 +240,8 @@ def test_a_complete_archive_stays_as_it_is(rough):
 
 
 @pytest.mark.parametrize("end, sentence", [
-    ("normal_displacement=-0.5", "beyond its end"), ("normal_displacement=2", "behind its begin"),
+    ("normal_displacement=-0.5", "beyond its end"), ("between the last two", "beyond its end"),
+    ("normal_displacement=2", "behind its begin"),
     ("normal_force=1", "begun must be the same"), ("normal_displacement=-4", ""),
     ("normal_displacement=-3.0", "")])
 def test_a_path_that_an_event_has_ended_is_held_against_the_leg_that_is_asked_for(tmp_path, end,
@@ -252,6 +253,8 @@ def test_a_path_that_an_event_has_ended_is_held_against_the_leg_that_is_asked_fo
     assert done.returncode == 0, done.stderr
     before = reading.read(tmp_path / "run.h5")
     assert before["event"][-1] == "fold" and before["normal_displacement"][-1] < -0.5
+    if end == "between the last two":
+        end = f"normal_displacement={np.mean(before['normal_displacement'][-2:])}"
     again = run(*words, "-load_path", f"normal_displacement=1; {end}", folder=tmp_path)
     assert again.returncode == (2 if sentence else 0) and sentence in again.stderr
     after = reading.read(tmp_path / "run.h5")
