@@ -230,7 +230,7 @@ class Archive:
         self._refuse(resuming.differences(dict(file["scene"].attrs), file.attrs["options"],
                                           self._scene, self._options, done))
         there = file.attrs["options"], self._options
-        more = (resuming.has_more(*there, last.get("event"))
+        more = (resuming.has_more(*there, resuming.events_of(last))
                 or resuming.leads_elsewhere(*there, done))
         self.complete = bool(file.attrs["complete"]) and not more
         if self.complete:

@@ -141,18 +141,27 @@ def changes(options, other_options):
     return [f"-{name} is {here}, before that {there}" for name, (here, there) in told.items()]
 
 
-def has_more(options, other_options, event):
-    """Whether a path that ended at a point with an event goes on by other options.
+def events_of(state):
+    """Names of the events that the last point of a path counts as, by its state: a fold beyond
+    which a force pulls the body off is a pull-off, too."""
+    event = state.get("event")
+    pulled = (event == "fold" and state.get("fold_kind") == "pull_off"
+              and np.any(np.ravel(state.get("forced", False))[:1]))
+    return (event, "pull_off") if pulled else (event,)
 
-    Either that event was its end and is no more, or it has more legs now.
+
+def has_more(options, other_options, events):
+    """Whether a path that ended at a point with events goes on by other options.
+
+    Either one of these was its end and none is any more, or it has more legs now.
 
     Parameters
     ----------
     options, other_options : text of the options there and here
-    event : str, that of the last point
+    events : names, as of `events_of`
     """
     before, now = entries(options), entries(other_options)
-    return not _ends(now, event) and (_ends(before, event) or len(legs(now)) > len(legs(before)))
+    return not _ends(now, events) and (_ends(before, events) or len(legs(now)) > len(legs(before)))
 
 
 def leads_elsewhere(options, other_options, done):
@@ -169,12 +178,12 @@ def leads_elsewhere(options, other_options, done):
     return done >= 0 and there != here
 
 
-def _ends(found, event):
-    """Whether options end a path at a point for its event."""
+def _ends(found, events):
+    """Whether options end a path at a point for one of its events."""
     stops = [name.strip() for name in found.get("load_stop", "").split(",")]
     at = {"fold": found.get("continuation_at_fold"),
           "bifurcation": found.get("continuation_at_bifurcation")}
-    return event in stops or at.get(event) == "stop"
+    return any(event in stops or at.get(event) == "stop" for event in events)
 
 
 def lacking(file, fields, columns):

@@ -451,7 +451,7 @@ def test_which_options_made_which_points(tmp_path):
                           ("pull_off", "-load_stop pull_off", "-load_stop pull_off,gross_sliding",
                            False), ("pull_off", "", "-load_stop pull_off -load_path a=1", False)])
 def test_what_a_complete_path_has_more_to_offer(event, before, now, more):
-    assert resuming.has_more(before, now, event) is more
+    assert resuming.has_more(before, now, (event,)) is more
 
 
 def test_modes_may_be_kept_from_some_point_on(tmp_path):

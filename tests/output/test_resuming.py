@@ -261,6 +261,20 @@ def test_a_path_that_an_event_has_ended_is_held_against_the_leg_that_is_asked_fo
     assert after.complete and after.points == before.points
 
 
+def test_a_pull_off_by_force_that_ends_a_path_no_more_is_none(tmp_path):
+    """It is a fold; told as complete, the path seemed to have an equilibrium at its end."""
+    words = ["-scene_points", "128", "-scene_period", "20", "-scene_normal_maugis", "2",
+             "-archive_file", "run.h5", "-archive_resume", "-load_path"]
+    path, stop = "normal_force=1; normal_force=-10", ("-load_stop", "pull_off")
+    done = run(*words, path, *stop, folder=tmp_path)
+    assert done.returncode == 0 and reading.read(tmp_path / "run.h5")["event"][-1] == "fold"
+    for longer in (path, f"{path}; normal_force=1"):
+        again = run(*words, longer, *stop, folder=tmp_path)
+        assert again.returncode == 0 and "is complete" in again.stdout
+    last = run(*words, path, folder=tmp_path)
+    assert last.returncode == 1 and "no equilibrium" in last.stderr
+
+
 def test_legs_that_are_done_must_be_the_same(rough):
     path = "normal_displacement=0.2; normal_displacement=0.5"
     done = run(*ROUGH, "-scene_geometry_file", "heights.npy", "-load_path", path, folder=rough)
