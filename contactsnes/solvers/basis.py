@@ -240,7 +240,7 @@ class Orthogonality:
     def after(self, column):
         """Take note of the products of a vector with the rows, and last what is left."""
         before, left = math.sqrt(column @ column), column[-1]
-        if self.bound * before <= left:
+        if self.bound * before < left:  # (not of nothing, 0 and 0)
             self._skew *= max(1.0, before / left)
             self.bound = max(CANCELLED, self._skew / SKEW)
 

@@ -331,6 +331,14 @@ def test_rows_stay_orthogonal_where_little_is_left_of_vectors(rng, monkeypatch, 
     assert found[0] > 0.5 > 0.05 > found[1]
 
 
+@pytest.mark.filterwarnings("error")
+def test_vectors_of_nothing_tell_nothing_of_rows():
+    orthogonality = Orthogonality(np.float32)
+    for column in (np.zeros(3), np.array([np.nan, 1.0]), np.array([1.0, 0.0])):
+        orthogonality.after(column)
+    assert orthogonality.bound == basis.CANCELLED
+
+
 def test_what_is_no_number_stays_none_when_it_is_rounded():
     for number in (np.nan, np.inf):
         for products in PRODUCTS:
