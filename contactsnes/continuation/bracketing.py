@@ -169,15 +169,15 @@ class BracketingSteps(NaturalSteps):
 
     def _look_ahead(self, error, step):
         """Yield what stops the steps; where that is not found, or motion finds no way out of it,
-        what motion leads to further on, to the leg's end if need be: no path ends because a spot
-        will not settle. Where nothing is found at all, shorter steps go on."""
+        what motion leads to further on: no path ends because a spot will not settle. Where nothing
+        is found at all, shorter steps go on, and, where none are left, motion to the leg's end."""
         try:
             yield from self._fold(error, 4.0 * step)
             return
         except NotConverged as failure:
             reason, unknown = failure, isinstance(failure, NoFold)
         place, last = self.history[-1]
-        for beyond in self._further(place, 4.0 * step):
+        for beyond in self._further(place, step, not unknown or step < self.leg.smallest):
             where = f"at {self._place(beyond)}"
             try:
                 point = self.system.settle(last.state, self.leg.controls, self.leg.load(beyond),
@@ -191,14 +191,14 @@ class BracketingSteps(NaturalSteps):
             raise reason
         self._shorten(reason, step)
 
-    def _further(self, place, step):
-        """Yield places beyond a place and a step from it, up to the leg's end."""
-        yield from (min(place + width, 1.0) for width in (step, BRACKET * self.shortest))
+    def _further(self, place, step, far):
+        """Yield places beyond a place, where a step was refused, up to the leg's end if it is to be
+        ``far``."""
         width = self.shortest
-        while place + width < 1.0:
-            yield place + width
+        yield from (min(place + near, 1.0) for near in (4.0 * step, BRACKET * width, width))
+        while far and place + width < 1.0:
             width *= 2.0
-        yield 1.0
+            yield min(place + width, 1.0)
 
     def _jumped(self, point, beyond, where, reason):
         """Yield the last point as a fold, if it is not told of, and, by default, a point to which

@@ -327,6 +327,23 @@ def test_a_path_goes_on_where_motion_comes_to_rest_again(until):
     assert any("goes round and round: the path goes on" in said for said in system.sentences)
 
 
+def test_motion_far_ahead_is_the_last_resort():
+    """While steps may be shorter, what lies a fortieth of the leg ahead is all that is asked."""
+    class Restless(Late):
+        asked = []
+
+        def settle(self, state, controls, load, where, *_):
+            self.asked.append((load[0], len(self.attempts)))
+            raise NotConverged("a spot does not settle")
+
+    system = Restless(cubic(), arc_fails=lambda load: load > 0.3)
+    points, error = bracketed(system, [-1.875, 2.0], [-1.5])
+    assert "a spot does not settle" in str(error)
+    far = points[-1].load[0] + 0.03 * 3.875
+    assert {count for load, count in system.asked if load > far} == {len(system.attempts)}
+    assert len({count for _, count in system.asked}) > 1
+
+
 def test_where_a_branch_ends_its_fold_is_located():
     """Beyond it the body leaves, so that no bracket has another side."""
     system = System(curve(lambda u: -u ** 2, lambda u: -2 * u))
