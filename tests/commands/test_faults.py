@@ -480,6 +480,7 @@ def test_a_file_that_is_tried_for_a_program_that_is_killed_meanwhile_ends_there(
     run = multiprocessing.get_context("fork").Process(target=read_and_go_on, args=(tmp_path,))
     run.start()
     while not (tmp_path / "begun").exists():
+        assert run.is_alive()
         time.sleep(0.01)
     run.kill()
     run.join()
