@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from ..contact.problem import FORCE
 from ..interface import laws, shapes
+from ..output import sizes
 from ..scene.isolation import largest_force
 from ..scene.settings import Form, Output, Steps, loaded_legs, moving, tangential_legs
 from .grid_choice import active_part, again, cell_of, window_part
@@ -35,17 +36,14 @@ RUNNING = 120e6
 """Bytes of Python and its libraries."""
 ITERATIONS = 50
 """Krylov iterations of the hardest solve on a rough plane."""
-PACKED, UNIFORM, PACKING = {1: 0.8, 2: 0.42, 4: 0.235}, 0.5, {1: 3e-9, 2: 7e-8}
+PACKED, UNIFORM, PACKING = {1: 0.8, 2: 0.42, 4: 0.235}, 0.3, {1: 3e-9, 2: 7e-8}
 """Bytes of active fields in the file over those before they are compressed, by the number of mirror
-images that are alike; that of shapes that do not vary along a direction over it; processor time for
-each byte before, by dimension, s."""
-STATES = 4
-"""States that an archive keeps for going on."""
+images that are alike; that of planes whose shape does not vary along a direction over it;
+processor time for each byte before, by dimension, s."""
+CELL = 0.35
+"""Bytes of single fields of the cell, compressed, over those before."""
 SINGLE = 0.57
 """Part of the law's range beyond which tractions are nothing in single precision."""
-NUMBERS = 50
-"""Columns of an archive, about."""
-
 
 class Cost(NamedTuple):
     """Of a run, about: points of its path, bytes of memory and of its archive, seconds of one
@@ -68,8 +66,8 @@ def cost(scene, load, shape, output=None, steps=None, form=None):
     output : Output, optional: by default nothing is kept
     steps, form : Steps and Form, optional
     """
-    output, form, nodes = output or Output(), form or Form(), math.prod(shape)
-    counts, loaded = _points(scene, load, steps or Steps()), loaded_legs(scene, load)
+    output, form, steps = output or Output(), form or Form(), steps or Steps()
+    nodes, counts, loaded = math.prod(shape), _points(scene, load, steps), loaded_legs(scene, load)
     kept = _bytes_of_fields(scene, load, nodes, output, counts)
     more = ESTIMATED[again(scene, load)] if output.errors else 1.0
     seconds = START + PACKING[scene.dimension] * sum(kept) + sum(
@@ -77,7 +75,8 @@ def cost(scene, load, shape, output=None, steps=None, form=None):
                  + more * _solve(scene, load, nodes, form, bool(sheared)))
         for count, sheared in zip(counts, loaded))
     return Cost(sum(counts), _memory(scene, load, nodes, form, output.errors),
-                _disk(scene, load, nodes, output, counts, sum(kept)), seconds)
+                _disk(scene, load, nodes, output, counts, sum(kept), form, steps.keeps_modes),
+                seconds)
 
 
 def _solve(scene, load, nodes, form, sheared):
@@ -136,17 +135,16 @@ def _bytes_of_fields(scene, load, nodes, output, counts):
     if output.fields == "last":
         counts = [0] * (len(counts) - 1) + [1]
     single = output.precision == "single"
-    each = 2 * (4 if single else 8) * nodes
+    each = 2 * (4 if single else 8)
     if not output.on_active(scene):
-        return [each * scene.components * count for count in counts]
-    each *= _active(scene, load, SINGLE if single else 1.0)
+        return [each * sizes.window_of(scene, nodes) * scene.components * count for count in counts]
+    each *= nodes * _active(scene, load, SINGLE if single else 1.0)
     return [each * count * (scene.components if slips else 1)
             for count, slips in zip(counts, tangential_legs(scene, load))]
 
 
-def _disk(scene, load, nodes, output, counts, kept):
-    """Bytes of an archive: numbers of points, their fields, the gap, states that a run goes on
-    from, and the compliance where fields are rebuilt by it.
+def _disk(scene, load, nodes, output, counts, kept, form, modes):
+    """Bytes of an archive.
 
     Parameters
     ----------
@@ -156,17 +154,22 @@ def _disk(scene, load, nodes, output, counts, kept):
     output : Output
     counts : list of int, points of the start and of each leg
     kept : float, bytes of the fields before they are compressed
+    form : Form
+    modes : bool, whether points have one
     """
     if not output.file:
         return 0.0
     slips = any(tangential_legs(scene, load))
-    states = STATES * _active(scene, load) * (scene.components if slips else 1)
-    active = output.on_active(scene)
-    packed = PACKED[_images(scene, any(loaded_legs(scene, load)), Form())] if active else 1.0
-    packed *= UNIFORM if active and shapes.of(scene).uniform else 1.0
-    blocks = scene.components ** 2 if scene.coupled else 2 * scene.dimension
-    return (8.0 * NUMBERS * sum(counts) + packed * kept
-            + 8.0 * nodes * (1.0 + states + (0.5 * blocks if active and kept else 0.0)))
+    state = nodes * _part(scene, load, form) * (scene.components if slips else 1)
+    active, packed, on_active = 0.0, 0.0, output.on_active(scene)
+    if on_active:
+        active = nodes * _active(scene, load, SINGLE if output.precision == "single" else 1.0)
+    if output.fields == "all" and on_active:
+        packed = kept * PACKED[_images(scene, any(loaded_legs(scene, load)), Form())]
+        packed *= UNIFORM if scene.dimension == 2 and shapes.of(scene).uniform else 1.0
+    elif output.fields == "all" and output.precision == "single":
+        packed = kept * CELL
+    return sizes.archive(scene, output, nodes, sum(counts), state, active, packed, modes)
 
 
 def _images(scene, sheared, form):

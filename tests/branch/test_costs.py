@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import h5py
+import numpy as np
 import petsc4py
 import pytest
 from processes import call
@@ -16,8 +17,15 @@ petsc4py.init([])
 from contactsnes.branch import costs  # noqa: E402
 from contactsnes.branch.memory import memory_of_solve  # noqa: E402
 from contactsnes.kernels import library  # noqa: E402
+from contactsnes.options.values import instance  # noqa: E402
 from contactsnes.scene.load import Load  # noqa: E402
-from contactsnes.scene.settings import Form, Output, Scene, Steps  # noqa: E402
+from contactsnes.scene.settings import (  # noqa: E402
+    OPTION_CLASSES,
+    Form,
+    Output,
+    Scene,
+    Steps,
+)
 
 SPHERE = Scene(dimension=2, geometry="sphere", normal_maugis=40.0, tangential_maugis=2.0,
                period=12.0, points=512)
@@ -93,6 +101,31 @@ def test_points_and_disk_are_told_within_a_factor_of_two(tmp_path, name):
     assert 0.5 < int(found[1]) / taken < 2.0
     size = float(found[3]) * {"kB": 1e3, "MB": 1e6}[found[4]]
     assert 0.5 < size / (tmp_path / "run.h5").stat().st_size < 2.0
+
+
+KEPT = {"pressed": ["-archive_fields none", "-archive_fields last", "-archive_fields all",
+                    "-archive_fields last -archive_fields_on active", "-archive_fields all "
+                    "-archive_precision single", "-archive_fields none "
+                    "-continuation_largest_step 0.1", "-archive_fields all "
+                    "-continuation_stability eigenvalue"],
+        "sphere": ["-archive_fields none", "-archive_fields last", "-archive_fields all",
+                   "-archive_fields all -archive_fields_on cell",
+                   "-archive_fields last -archive_precision single"]}
+
+
+@pytest.mark.parametrize("name, kept", [(name, kept) for name in KEPT for kept in KEPT[name]])
+def test_the_size_of_an_archive_follows_from_its_points(tmp_path, monkeypatch, name, kept):
+    """To a tenth; a small archive took ten times what was told: rooms, columns and states of a file
+    besides its numbers."""
+    words = [*MEASURED[name].split(), *kept.split(), "-archive_file", str(tmp_path / "run.h5")]
+    assert call("run", *words, folder=tmp_path).returncode == 0
+    with h5py.File(tmp_path / "run.h5") as file:
+        legs = file["branch/leg"][:]
+    entries = {word[1:]: value for word, value in zip(words[::2], words[1::2])}
+    scene, form, load, steps, output = [instance(cls, entries) for cls in OPTION_CLASSES]
+    monkeypatch.setattr(costs, "_points", lambda *_: list(np.bincount(legs)))
+    told = costs.cost(scene, load, scene.shape, output, steps, form).disk
+    assert told == pytest.approx((tmp_path / "run.h5").stat().st_size, rel=0.1)
 
 
 @pytest.mark.parametrize("count, text", [(7.72e5, "772 kB"), (2.04e4, "20 kB"),
