@@ -40,6 +40,8 @@ PACKED, UNIFORM, PACKING = {1: 0.8, 2: 0.42, 4: 0.235}, 0.3, {1: 3e-9, 2: 7e-8}
 """Bytes of active fields in the file over those before they are compressed, by the number of mirror
 images that are alike; that of planes whose shape does not vary along a direction over it;
 processor time for each byte before, by dimension, s."""
+BOX = 1.3
+"""Nodes of a box around a disc over those in it."""
 CELL = 0.35
 """Bytes of single fields of the cell, compressed, over those before."""
 SINGLE = 0.57
@@ -74,7 +76,9 @@ def cost(scene, load, shape, output=None, steps=None, form=None):
         count * (EACH[scene.dimension] + NODE * nodes
                  + more * _solve(scene, load, nodes, form, bool(sheared)))
         for count, sheared in zip(counts, loaded))
-    return Cost(sum(counts), _memory(scene, load, nodes, form, output.errors),
+    memory = _memory(scene, load, nodes, form, output.errors) + _waiting(
+        scene, load, nodes, output, form, sum(kept) / sum(counts), sum(counts) / seconds)
+    return Cost(sum(counts), memory,
                 _disk(scene, load, nodes, output, counts, sum(kept), form, steps.keeps_modes),
                 seconds)
 
@@ -116,6 +120,14 @@ def _memory(scene, load, nodes, form, errors):
     times = 1 + again(scene, load) if errors else 1
     solves = times * memory_of_solve(unknowns, whole, **hard)
     return RUNNING + shapes.of(scene).memory(scene) + solves
+
+
+def _waiting(scene, load, nodes, output, form, fields, pace):
+    """Bytes of points that wait for being written to an archive, so many a second, each with so
+    many bytes of fields."""
+    slips = any(tangential_legs(scene, load))
+    state = 8.0 * nodes * _boxed(scene, load, form) * (scene.components if slips else 1)
+    return min(sizes.WAITING, min(sizes.BATCH, pace) * (state + fields)) if output.file else 0.0
 
 
 def _bytes_of_fields(scene, load, nodes, output, counts):
@@ -160,7 +172,7 @@ def _disk(scene, load, nodes, output, counts, kept, form, modes):
     if not output.file:
         return 0.0
     slips = any(tangential_legs(scene, load))
-    state = nodes * _part(scene, load, form) * (scene.components if slips else 1)
+    state = nodes * _boxed(scene, load, form) * (scene.components if slips else 1)
     active, packed, on_active = 0.0, 0.0, output.on_active(scene)
     if on_active:
         active = nodes * _active(scene, load, SINGLE if output.precision == "single" else 1.0)
@@ -195,6 +207,13 @@ def _part(scene, load, form):
     if form.window == "off" or form.form == "force":
         return 1.0
     return _share(scene, load, window_part)
+
+
+def _boxed(scene, load, form):
+    """The part of the cell that states take: less than that of windows on few nodes, which are
+    wide, where a box around the nodes that the law acts on is small."""
+    part, box = _part(scene, load, form), BOX ** (scene.dimension - 1) * _active(scene, load)
+    return part if box > 0.5 or form.window == "off" or form.form == "force" else min(part, box)
 
 
 def _active(scene, load, reach=1.0):

@@ -18,6 +18,8 @@ NAMES, FIRST = 1270, 1024
 """Bytes of a state besides its displacement, and of what is made room for at the start."""
 BATCH, QUICK = 64, 1 << 14
 """Points that are written together at most, and nodes of planes up to which they come so fast."""
+WAITING = 32e6
+"""Bytes of points that wait for being written, at most."""
 PACKED, MODES = 0.55, {1: 1.0, 2: 0.2}
 """Bytes of states in a compressed file over those before, and of modes by the dimension."""
 COMPLIANCE = 1.0
