@@ -102,21 +102,27 @@ def loaded_legs(scene, load):
 def moving(scene, load):
     """What moves along each leg, a list: the first of what it names that does not rest, (component,
     Control, how far as typed or None where that is not known); None of a leg that moves nothing."""
-    found, values = [], dict(load.initial(scene.dimension, scene.isolated))
+    initial = load.initial(scene.dimension, scene.isolated)
+    found, controls = [], {component: its.control for component, its in initial.items()}
+    # (a component that is held otherwise stays where it was, until something moves)
+    known = {component: {its.control: its.value} for component, its in initial.items()}
     for leg in load.legs(scene.dimension) if load.path else ():
-        named = ((component, control, _way(values[component], control))
-                 for component, control in leg.controls.items() if control.value is not None)
-        found.append(next((one for one in named if one[2] != 0.0), None))
-        values |= {component: control for component, control in leg.controls.items()
-                   if control.value is not None or control.control != values[component].control}
+        named = {component: control for component, control in leg.controls.items()
+                 if control.value is not None}
+        ways = ((component, control, _way(known[component].get(control.control), control))
+                for component, control in named.items())
+        found.append(next((one for one in ways if one[2] != 0.0), None))
+        controls |= {component: its.control for component, its in leg.controls.items()}
+        if found[-1]:
+            known = {component: {kind: named[component].value if component in named
+                                 else known[component].get(kind)}
+                     for component, kind in controls.items()}
     return found
 
 
 def _way(before, control):
-    """How far a leg moves a component, as typed; None where that is not known."""
-    if before.value is None or before.control != control.control:
-        return None
-    return abs(control.value - before.value)
+    """How far a leg moves a component from a value, as typed; None where that is not known."""
+    return None if before is None else abs(control.value - before)
 
 
 def ineffective(scene, load, names, form=Form(), output=Output(), estimates=False):

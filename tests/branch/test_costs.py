@@ -50,6 +50,10 @@ def test_points_follow_from_the_steps():
     load = Load(path="normal_force=hold; normal_force=5; normal_force=15")
     steps = Steps(largest_step=0.5)
     assert costs.cost(SPHERE, load, (64, 64), steps=steps).points == 1 + 22 + 24
+    # what was held otherwise may be elsewhere after a leg that moved something
+    load = Load(start="normal_displacement=1",
+                path="normal_force=hold; tangential_displacement_x=1; normal_displacement=1")
+    assert costs.cost(SPHERE, load, (64, 64)).points == 1 + 22 + 22
     si = Scene.typed(units="si", dimension=2, geometry="sphere", radius=9.42e-3, young_modulus=1e6,
                      work_of_adhesion_normal=0.03, work_of_adhesion_tangential=0.03,
                      adhesive_strength=2e4, shear_strength=3e4)
@@ -61,6 +65,7 @@ def test_points_follow_from_the_steps():
 @pytest.mark.parametrize("path, points", [
     ("normal_displacement=1", 0), ("normal_force=hold; normal_displacement=hold", 0),
     ("normal_displacement=1, tangential_displacement_x=0; normal_displacement=hold", 0),
+    ("normal_force=hold; normal_displacement=1", 0),
     ("normal_displacement=hold, tangential_displacement_x=1", 22),
     ("normal_displacement=1, tangential_displacement_x=1; tangential_displacement_x=hold; "
      "tangential_displacement_x=1", 22)])
