@@ -261,7 +261,7 @@ def test_stop_that_was_asked_for(tmp_path):
             and f"event         {record['event'][-1]}" in done.stdout)
 
 
-SLOW = [*SMALL, "-continuation_largest_step", "0.005,0.1", "-load_path",
+SLOW = [*SMALL, "-continuation_largest_step", "0.001,0.02", "-load_path",
         "normal_displacement=1; tangential_displacement=5", "-archive_file", "run.h5"]
 """More points than a run makes between the first ones and a signal."""
 
