@@ -47,6 +47,7 @@ CELL = 0.35
 SINGLE = 0.57
 """Part of the law's range beyond which tractions are nothing in single precision."""
 
+
 class Cost(NamedTuple):
     """Of a run, about: points of its path, bytes of memory and of its archive, seconds of one
     core."""
@@ -127,7 +128,7 @@ def _waiting(scene, load, nodes, output, form, fields, pace):
     many bytes of fields."""
     slips = any(tangential_legs(scene, load))
     state = 8.0 * nodes * _boxed(scene, load, form) * (scene.components if slips else 1)
-    return min(sizes.WAITING, min(sizes.BATCH, pace) * (state + fields)) if output.file else 0.0
+    return sizes.waiting(pace, state + fields) if output.file else 0.0
 
 
 def _bytes_of_fields(scene, load, nodes, output, counts):

@@ -13,20 +13,14 @@ import numpy as np
 from . import checksums, files, resuming, stored
 from .columns import put_attributes
 from .files import FORMAT, ArchiveError, check_folder, check_new, resolved, safely
-from .journal import Journal, beside, next_key
+from .journal import BATCH, MOST, Journal, beside, next_key
 from .layout import Layout
 from .reading import read
 from .store import Store, unwritten
 
-BATCH = 64
-"""Points that wait in the journal, at most."""
-
 LARGE = 1 << 18
 """Numbers of the fields of a point beyond which it is written to the file at once: there, writing
 it twice would take longer than what HDF5 does besides."""
-
-MOST = 32 << 20
-"""Bytes that the journal grows to."""
 
 SECONDS = 1.0
 """Time after which points that wait are written with the next one, so that slow runs have each

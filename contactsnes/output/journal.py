@@ -20,6 +20,8 @@ import numpy as np
 
 from .files import ArchiveError
 
+BATCH, MOST = 64, 32 << 20
+"""Points that wait in the journal at most, and bytes that it grows to."""
 SUFFIX = ".journal"
 HEADING = "contactsnes journal 1 of "
 FLAGS = os.O_RDWR | os.O_APPEND

@@ -6,6 +6,7 @@ import math
 from .active import ROOM
 from .cell_fields import CHUNKS
 from .files import SAFE
+from .journal import BATCH, MOST
 from .store import ROOMY
 from .stored import SLOTS, STATES
 
@@ -16,10 +17,8 @@ COLUMNS, ESTIMATES = {1: 51, 2: 55}, 5
 """Columns by the dimension, and those more of estimated errors."""
 NAMES, FIRST = 1270, 1024
 """Bytes of a state besides its displacement, and of what is made room for at the start."""
-BATCH, QUICK = 64, 1 << 14
-"""Points that are written together at most, and nodes of planes up to which they come so fast."""
-WAITING = 32e6
-"""Bytes of points that wait for being written, at most."""
+QUICK = 1 << 14
+"""Nodes of planes up to which points come so fast that as many as may are written together."""
 PACKED, MODES = 0.55, {1: 1.0, 2: 0.2}
 """Bytes of states in a compressed file over those before, and of modes by the dimension."""
 COMPLIANCE = 1.0
@@ -51,6 +50,17 @@ def archive(scene, output, nodes, points, state, active=0.0, packed=0.0, modes=F
     return (found + GRID + 8.0 * window_of(scene, nodes)
             + _fields(scene, output, nodes, points, chunk, active, packed)
             + (_modes(scene, output, nodes, points, chunk, bool(packed)) if modes else 0.0))
+
+
+def waiting(pace, each):
+    """Bytes of points that wait for being written.
+
+    Parameters
+    ----------
+    pace : float, points a second
+    each : float, bytes of one
+    """
+    return min(MOST, min(BATCH, pace) * each)
 
 
 def _modes(scene, output, nodes, points, chunk, packed):
