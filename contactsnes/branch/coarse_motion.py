@@ -129,12 +129,12 @@ def coarsely(system, controls, origin, motion):
     level = Departure(contact, coarse.contact, origin)
     system.release()
     try:
-        return motion(coarser(system, level.contact, ENOUGH), level)
+        found = motion(coarser(system, level.contact, ENOUGH), level)
     except NoWayBack:
         raise
     except (NotConverged, NoEquilibrium) as error:
         system.log(f"the coarser grid does not serve ({error})")
-        return None
-    finally:
-        coarse = None
-        collect()
+        found = None
+    coarse = None
+    collect()  # not after an exception that one process may have alone: it takes all of them
+    return found

@@ -38,7 +38,7 @@ WHOLE = 0.9
 """Normal gaps, in ranges, before the peak of the law and where it has softened; and the part of the
 held nodes that is nearly all."""
 PART = 2 ** 14
-"""Nodes that are asked for their works at a time."""
+"""Nodes that are looked at at a time."""
 LIMITS = Limits(STRAYS, SHARE, LONG, REACH, HELD, OPEN, DOUBTFUL, TRIFLE, len(PLACES),
                 tuple(PLACES), tuple(SHARES))
 """All of this as the library takes it."""
@@ -201,7 +201,7 @@ def detached(contact, guess, last, found, back):
                                  < LEFT * np.sum(grid.sum(change * change)))
 
 
-def _suspects(contact, grid, gap, change, aside, allowed):
+def _suspects(contact, grid, gap, change, aside):
     """Mask of the nodes that release more energy than smooth steps do, and that over what linear
     springs do: of those aside of their prediction, or of all; None where none do.
 
@@ -211,27 +211,36 @@ def _suspects(contact, grid, gap, change, aside, allowed):
     near = np.minimum(gap[0], gap[0] + change[0]) < REACH
     moved = np.abs(change).max(axis=0) * near
     # What snaps may be a small part of a contact, whose other nodes hide what it releases.
-    most = moved > 0.5 * grid.maximum(moved, initial=0.0)
-    sets = np.array([np.any(aside > DOUBTFUL * allowed, axis=0), near, most])
-    kept, works = np.flatnonzero(near | sets[0]), np.zeros((2, len(near)))
-    for part in np.array_split(kept, 1 + kept.size // PART):
-        works[:, part] = _works(contact, gap[:, part], change[:, part])
-    for nodes in sets:
-        released, springs = (grid.sum(work * nodes) for work in works)
+    sets = np.array([aside, near, moved > 0.5 * grid.maximum(moved, initial=0.0)])
+    del moved
+    works = np.zeros((len(sets), 2))
+    for part, each in _parts(grid, near | aside):
+        works += sets[:, part] @ (_works(contact, gap[:, part], change[:, part]) * each).T
+    for nodes, (released, springs) in zip(sets, grid.together(works)):
         if released > RELEASED * springs and _soften(contact, grid, gap, change, nodes):
             return nodes, released / springs
     return None
 
 
+def _parts(grid, mask):
+    """Numbers of nodes of a mask, and what each of these counts, a few at a time: on many nodes
+    what is made of them takes memory."""
+    weights_of = getattr(grid, "weights", None)
+    for first in range(0, len(mask), PART):
+        part = first + np.flatnonzero(mask[first:first + PART])
+        yield part, 1.0 if weights_of is None else weights_of[part]
+
+
 def _compared(contact, guess, last, found, *others):
-    """Grid that sums over nodes, gaps before a step, their changes, how far they are from the guess
-    where the law acts, and how far they may be; of even states (``others``, too) at half of the
-    nodes."""
+    """Grid that sums over nodes, gaps before a step, their changes, and a mask of the nodes that
+    are doubtfully far from the guess where the law acts; of even states (``others``, too) at half
+    of the nodes."""
     grid, nodes, (foretold, ended, began, *_) = alike(contact, [guess, found], [last, *others])
     change, aside, _, allowed = _ways(foretold, ended, began, contact.gap_on(nodes))
+    allowed *= DOUBTFUL
     gap = began.copy()
     gap[0] += contact.gap_on(nodes)
-    return grid, gap, change, aside, allowed
+    return grid, gap, change, np.any(aside > allowed, axis=0)
 
 
 def _through_sticking(begin, end, peak):
@@ -278,11 +287,14 @@ def _soften(contact, grid, gap, change, nodes):
     gap, change : arrays (components, nodes), ranges of the law
     nodes : mask
     """
-    gap, change, density = gap[:, nodes], change[:, nodes], np.zeros(len(nodes))
-    weighted = weights(contact, len(change))[:, None] * change
+    share = weights(contact, len(change))[:, None]
     for place in PLACES[2:]:
-        softening = np.einsum("ijn,jn->in", contact.law.tangent(gap + place * change), change)
-        density[nodes] = np.sum(softening * weighted, axis=0)
-        if grid.sum(density) < 0.0:
+        density = 0.0
+        for part, each in _parts(grid, nodes):
+            way = change[:, part]
+            softening = np.einsum("ijn,jn->in", contact.law.tangent(gap[:, part] + place * way),
+                                  way)
+            density += np.sum(softening * way * share * each)
+        if grid.together(density) < 0.0:
             return True
     return False

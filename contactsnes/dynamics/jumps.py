@@ -14,6 +14,7 @@ from ..continuation.points import NoEquilibrium, NotConverged
 from ..options.database import read
 from ..solvers.capabilities import has_modes
 from ..solvers.snes import COLD, WARM
+from ..solvers.vectors import collect
 from .control import rough
 from .endings import Circling, Leaving, Unsettled
 from .overdamped import MotionOptions, OverdampedMotion
@@ -90,13 +91,22 @@ def settle(system, state, controls, load, where, origin=None):
     if options.type != "overdamped" or not has_modes(system.settings):
         return inertial(system, state, controls, load, where, options)
     try:
-        return by_creep(system, state, controls, load, origin, options)
+        point = by_creep(system, state, controls, load, origin, options)
+        collect()  # the motion's memory, after nothing that a process may meet alone
+        return point
     except Leaving:
         raise NoEquilibrium(f"no equilibrium {where}: {ENDLESS}") from None
     except Circling as error:  # (inertia would keep it up as well)
         raise NotConverged(f"the motion {where} does not come to rest: {error}") from None
     except (Unsettled, NotConverged) as error:
         failure = str(error)
+    collect()
+    return _unfollowed(system, state, controls, load, where, failure)
+
+
+def _unfollowed(system, state, controls, load, where, failure):
+    """`by_inertia` where overdamped motion cannot be followed, for a reason in words, ``failure``;
+    the rest, and errors, as of `settle`."""
     system.log(f"the overdamped motion {where} cannot be followed ({failure}): following motion "
                "with inertia on the whole cell, which may lead to another equilibrium")
     try:

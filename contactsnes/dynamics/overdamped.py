@@ -17,6 +17,7 @@ from ..contact import places, scattered, states
 from ..continuation.points import lagrange_weights
 from ..grid.cell import Convolution
 from ..options.fields import Options, option
+from ..solvers.vectors import collect
 from .control import CAREFUL, MANY, Exactness, control
 from .endings import Circling, Leaving, Rounds, Unsettled
 from .outside import Outside
@@ -106,6 +107,8 @@ class OverdampedMotion:
     def _begin(self, time, state, elastic=None):
         """Take up the motion on a state's window; tau is t unless it is given there."""
         even = self.symmetry.plain(len(self.controls))
+        self.equations = self._outside = None
+        collect()  # what the motion had on a smaller window
         self.equations = equations = Equations(self.contact, state.window, even, self.controls,
                                                self.load, self._precision)
         self._outside = Outside(self.contact, equations,
@@ -281,9 +284,7 @@ class OverdampedMotion:
 
     def _widen(self):
         """Go on on a window that reaches a fifth farther than the law."""
-        state = self.state()
-        contact = self.contact
-        cell = self._extended()
+        state, contact, cell = self.state(), self.contact, self._extended()
         gap = cell[0] + contact.initial_gap
         if self.symmetry.scatters(len(self.controls)):
             window = scattered.window(contact, gap)

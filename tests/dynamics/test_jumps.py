@@ -1,6 +1,7 @@
 """Jumps: overdamped motion is the one that its equations say, comes to rest where others do, and
 its works balance."""
 
+import gc
 import re
 
 import numpy as np
@@ -12,7 +13,8 @@ from scipy.integrate import solve_ivp
 petsc4py.init()
 from contactsnes import Branch, Contact, Form, Load, NoEquilibrium, NotConverged, Scene, Steps
 from contactsnes.branch import first_points
-from contactsnes.contact import states
+from contactsnes.contact import acceptance, states
+from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.symmetry import Symmetry
 from contactsnes.dynamics import control, jumps, outside, relaxing
 from contactsnes.dynamics.control import Exactness
@@ -734,3 +736,40 @@ def test_what_holds_less_than_solves_can_tell_holds_no_body():
             points.append(point)
             assert point.event != "jump"
     assert points[-1].event == "fold"
+
+
+def rough_line():
+    """The branch of a rough line along which it jumps thrice."""
+    scene = Scene(points=512, period=24.0, geometry="rough", rough_on="flat", rough_longest=6.0,
+                  rough_shortest=1.5, rough_slope=2.0, rough_seed=1, normal_maugis=3.0,
+                  height=float("inf"))
+    return Branch(scene, Load(start="normal_displacement=0", path="normal_displacement=1.5"),
+                  Steps(initial_step=0.1, largest_step=0.1))
+
+
+def test_what_a_motion_took_is_given_back_when_a_jump_is_over():
+    """PETSc kept the linear solver of each motion, with its vectors, until a window changed."""
+    gc.collect()
+    alive, events = [], []
+    for point in rough_line():
+        alive.append(sum(isinstance(thing, DisplacementForm) for thing in gc.get_objects()))
+        events.append(point.event)
+    assert events.count("jump") == 3
+    assert alive[-1] <= alive[0] + 1
+
+
+@pytest.mark.parametrize("even", [False, True])
+def test_nodes_that_are_looked_at_a_few_at_a_time_tell_what_all_of_them_tell(even, monkeypatch):
+    """Of all nodes of a window, and of half of them, each with what it counts."""
+    branch = rough_line() if not even else Branch(
+        Scene(points=256, normal_maugis=4.0),
+        Load(start="normal_displacement=-2", path="normal_displacement=3"))
+    states_of = [point.state for point in branch]
+    first, last = states_of[0], states_of[-1]
+    known = acceptance._compared(branch.contact, first, first, last)
+    assert hasattr(known[0], "weights") == even
+    nodes, released = acceptance._suspects(branch.contact, *known)
+    monkeypatch.setattr(acceptance, "PART", 37)
+    found = acceptance._suspects(branch.contact, *known)
+    assert np.array_equal(found[0], nodes)
+    assert found[1] == pytest.approx(released, rel=1e-9)
