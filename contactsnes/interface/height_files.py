@@ -2,7 +2,6 @@
 nothing in them is executed."""
 
 import codecs
-import importlib.util
 import math
 import re
 import textwrap
@@ -13,6 +12,7 @@ import numpy as np
 from numpy.lib.format import MAGIC_PREFIX
 
 from ..system.devices import failure
+from .instruments import has_library, topography
 from .stored_heights import Heights, Stored, stored
 
 UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9, "pm": 1e-12, "A": 1e-10}
@@ -51,7 +51,7 @@ def read(specification):
     option = f"-scene_geometry_file {specification}"
     filename, suffix, dataset = split(str(specification))
     reader = READERS.get(suffix, _read_instrument)
-    if reader is _read_instrument and not _has_library():
+    if reader is _read_instrument and not has_library():
         raise ValueError(f"{option}: unknown kind of file; {EXTRA}.")
     if not Path(filename).is_file():
         raise FileNotFoundError(
@@ -83,11 +83,6 @@ def _look_at(found):
         pass
 
 
-def _has_library():
-    """Whether SurfaceTopography is there, which reads files of instruments."""
-    return importlib.util.find_spec("SurfaceTopography") is not None
-
-
 def split(specification):
     """File name, suffix and dataset of FILE.npy, FILE.txt or FILE.h5:dataset."""
     stem, separator, dataset = specification.partition(".h5:")
@@ -111,7 +106,7 @@ def _read_map(filename, _=""):
     """A map as rows of numbers; of a file that is no text, what an instrument wrote under the same
     ending; ValueError for places, in columns or beside the heights."""
     head = Path(filename).read_bytes()[:HEAD]
-    if b"\0" in head and not head.startswith(WIDE) and _has_library():
+    if b"\0" in head and not head.startswith(WIDE) and has_library():
         return _read_instrument(filename)
     found = _read_table(filename)
     if found.ndim == 2 and found.shape[1] in (2, 3) and _are_points(found):
@@ -258,11 +253,8 @@ def _grid_numbers(places, name):
 
 
 def _read_instrument(filename, _=""):
-    """What SurfaceTopography makes of a file: its first channel, with size, unit and holes."""
-    from SurfaceTopography import open_topography
-
-    with open_topography(filename) as reader:
-        found = reader.topography()
+    """What SurfaceTopography makes of a file: with unit, holes and, where it tells it, size."""
+    found, size = topography(filename)
     if not found.is_uniform:
         steps = np.diff(found.positions())
         if np.ptp(steps) > UNEVEN * abs(steps.mean()):
@@ -271,7 +263,7 @@ def _read_instrument(filename, _=""):
     unit = OWN_NAMES.get(found.unit, found.unit)
     if unit is not None and unit not in UNITS:
         raise ValueError(f"its unit is {unit}; known are {', '.join(UNITS)}")
-    return Heights(values, tuple(map(float, found.physical_sizes)), unit)
+    return Heights(values, size, unit)
 
 
 def _read_array(filename, _=""):

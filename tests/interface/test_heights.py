@@ -8,6 +8,7 @@ import numpy as np
 import petsc4py
 import pytest
 from height_maps import read_heights
+from scipy.io import savemat
 
 petsc4py.init([])
 
@@ -235,7 +236,7 @@ def test_columns_of_places_are_no_map(tmp_path):
 
 def test_an_instrument_may_write_under_an_ending_of_text(tmp_path, monkeypatch):
     """Binary files are its own, where the library that reads them is; text stays text."""
-    monkeypatch.setattr(height_files, "_has_library", lambda: True)
+    monkeypatch.setattr(height_files, "has_library", lambda: True)
     monkeypatch.setattr(height_files, "_read_instrument",
                         lambda name, _="": height_files.Heights(MAP, (1.0, 2.0)))
     (tmp_path / "a.dat").write_bytes(b"metro\0pro" + bytes(range(200)))
@@ -557,8 +558,11 @@ def test_a_size_from_python_has_to_be_the_period(tmp_path):
     assert Scene.typed(geometry="file", geometry_file=name, heights_size=3.0).periods == (3.0, 3.0)
 
 
-@pytest.mark.skipif(importlib.util.find_spec("SurfaceTopography") is None,
-                    reason="SurfaceTopography is not installed")
+instruments = pytest.mark.skipif(importlib.util.find_spec("SurfaceTopography") is None,
+                                 reason="SurfaceTopography is not installed")
+
+
+@instruments
 def test_files_of_instruments_bring_size_unit_and_holes(tmp_path):
     from SurfaceTopography import Topography
 
@@ -569,3 +573,30 @@ def test_files_of_instruments_bring_size_unit_and_holes(tmp_path):
     assert (found.size, found.unit) == (pytest.approx((2.4, 1.8)), "um")
     assert np.isnan(found.values[3, 4])
     np.testing.assert_allclose(found.values[5:], MAP[5:])
+
+
+@instruments
+def test_a_profile_of_points_has_the_size_of_its_steps(tmp_path):
+    """The library has it from the first to the last point, one step less than the period."""
+    from SurfaceTopography import NonuniformLineScan
+
+    places = 0.2 * np.arange(len(MAP))
+    NonuniformLineScan(places, MAP[:, 0], unit="nm").to_netcdf(str(tmp_path / "a.nc"))
+    np.savetxt(tmp_path / "a.xyz", np.c_[places, MAP[:, 0]])
+    found, known = (height_files.read(tmp_path / name) for name in ("a.nc", "a.xyz"))
+    assert found.size == pytest.approx((0.2 * len(MAP),))
+    assert known.size == pytest.approx(found.size)
+    np.testing.assert_allclose(found.values, MAP[:, 0])
+
+
+@instruments
+def test_a_file_of_an_instrument_without_a_size_leaves_it_to_the_option(tmp_path):
+    savemat(tmp_path / "a.mat", {"heights": MAP})
+    found = height_files.read(tmp_path / "a.mat")
+    assert found.size is None and np.array_equal(found.values, MAP)
+    size = (2.4, 1.8)
+    scene = Scene.typed(geometry="file", geometry_file=str(tmp_path / "a.mat"), heights_size=size)
+    assert scene.periods == pytest.approx(size) and scene.shape == MAP.shape
+    np.savetxt(tmp_path / "a.other", MAP)  # of which the library would swap the directions
+    with pytest.raises(ValueError, match="a text that tells no size; call it FILE.txt"):
+        height_files.read(tmp_path / "a.other")
