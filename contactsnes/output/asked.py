@@ -119,8 +119,8 @@ class ReportOptions(Options):
     title: ClassVar[str] = "Reports: contactsnes report"
     points: int = option(60, "most points of the slider, spread over those with fields",
                          minimum=1, maximum=1000)
-    nodes: int = option(160, "most nodes of profiles and maps in each direction", minimum=16,
-                        maximum=4096)
+    nodes: int = option(160, "most nodes of maps in each direction; profiles of lines have up to 8 "
+                        "times as many", minimum=16, maximum=4096)
     output: str = option("", "the file", default_text="RUN.html beside the archive")
 
 

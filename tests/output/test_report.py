@@ -309,3 +309,14 @@ def test_a_place_without_a_load_is_named_so(force, told):
     """The fold at which an isolated body jumps in was at nothing."""
     record = Kept(normal_displacement=np.full(2, np.nan), normal_force=np.array([force, 2.0]))
     assert re.sub("<[^>]*>", "", words.loads(record, 0)) == told
+
+
+def test_a_half_plane_that_has_no_displacement_is_drawn_along_its_points():
+    """Its panel of shear was empty: under a force it has no displacement as a whole."""
+    force, nothing = np.array([0.0, 0.0, 0.5]), np.array([0.0, np.nan, np.nan])
+    record = {"normal_displacement": nothing, "approach": nothing, "normal_force": force,
+              "tangential_displacement": nothing, "tangential_force": force}
+    assert curves.panels(record) == [(None, "normal_force"), (None, "tangential_force"),
+                                     ("tangential_force", "contact_area")]
+    record["tangential_displacement"] = force
+    assert curves.panels(record)[1] == ("tangential_displacement", "tangential_force")

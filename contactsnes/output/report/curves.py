@@ -22,7 +22,8 @@ def panels(record):
     found = [(along, "normal_force")]
     try:
         axis = shear(record)[0]
-        found += [(f"tangential_displacement{axis}", f"tangential_force{axis}"),
+        moved = f"tangential_displacement{axis}"
+        found += [(moved if np.isfinite(record[moved]).all() else None, f"tangential_force{axis}"),
                   (f"tangential_force{axis}", "contact_area")]
     except NothingToShow:
         found += [(along, "contact_area"), ("normal_force", "contact_area")]
