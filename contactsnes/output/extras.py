@@ -18,7 +18,7 @@ def extra(library, name, purpose):
     """
     try:
         return import_module(library)
-    except ImportError as error:
+    except (ImportError, ValueError, AttributeError) as error:  # as another NumPy makes them
         package = library.partition(".")[0]
         if find_spec(package):
             raise InputError(f"{purpose} needs {package}, whose version here does not work with "
