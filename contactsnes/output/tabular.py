@@ -180,7 +180,9 @@ def write_parquet(path, table):
     """Write a table to a Parquet file; the metadata of a column hold its unit."""
     arrow = extra("pyarrow", "table", "-format parquet")
     parquet = extra("pyarrow.parquet", "table", "-format parquet")
-    arrays = [arrow.array(column.tolist()) for column in table.columns.values()]
+    # NumPy's type is that of a column without rows, too
+    arrays = [arrow.array(column.tolist() if column.dtype == object else column)
+              for column in table.columns.values()]
     fields = [arrow.field(name, array.type, metadata={"unit": table.units[name]})
               for name, array in zip(table.columns, arrays)]
     parquet.write_table(arrow.Table.from_arrays(arrays, schema=arrow.schema(fields)), path)

@@ -203,6 +203,19 @@ def test_parquet_holds_values_and_units(tmp_path):
     assert found.schema.field("normal_force").metadata == {b"unit": b"w_n,r"}
 
 
+def test_parquet_without_rows_has_the_types_of_one_with_rows(tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    path, types = archive(tmp_path / "a.h5"), []
+    for rows in ("all", "gross_sliding"):
+        asked = TableOptions(format="parquet", output=str(tmp_path / f"{rows}.parquet"), rows=rows,
+                             columns="archive,point,event,normal_force,complete")
+        found = parquet.read_table(
+            tabular.write_table([path], tabular.tabulate([path], asked), asked))
+        types.append([str(field.type) for field in found.schema])
+    assert found.num_rows == 0 and types[0] == types[1]
+    assert types[0] == ["string", "int64", "string", "double", "int64"]
+
+
 def test_a_record_is_a_data_frame(tmp_path):
     pytest.importorskip("pandas")
     frame = read(archive(tmp_path / "a.h5")).to_dataframe()
