@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from contactsnes.continuation.points import NotConverged
-from contactsnes.dynamics.modes import NEUTRAL, leading_modes, oriented
+from contactsnes.dynamics.modes import NEUTRAL, _loose, leading_modes, oriented
 from contactsnes.dynamics.projection import Modes, Space, joined, projected
 from contactsnes.dynamics.sectors import Sectors
 from contactsnes.grid.contours import first_largest
@@ -233,3 +233,15 @@ def test_an_imaginary_part_within_the_residual_is_none(error, imaginary):
     defects = np.array([[error, 0.0], [0.0, error]], dtype=complex)
     modes = Modes(values, np.eye(2, dtype=complex), defects, np.array([True, True]))
     assert modes.told(0) == complex(0.5, imaginary) and modes.told(1) == 0.7
+
+
+@pytest.mark.parametrize("value, residual, loose", [
+    (0.2154 + 0.119j, 0.0786, True), (0.2878 + 0.0443j, 0.0152, False),
+    (0.2154, 0.0786, False), (0.2154, 0.12, True)])
+def test_a_pair_of_a_projection_says_stable_only_with_a_small_residual(value, residual, loose):
+    """A body of Poisson ratio 0 that slips: the first pair was what a space that was too small
+    showed of the eigenvalues -0.0125 and 0.2425, and its point was called stable."""
+    defects = np.array([[residual, 0.0], [0.05, 0.0]])
+    modes = Modes(np.array([value, 0.5466]), np.eye(2, dtype=complex), defects,
+                  np.array([True, True]))
+    assert bool(_loose({0: modes}, None, 0, NEUTRAL)) is loose
