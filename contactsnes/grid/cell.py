@@ -162,10 +162,6 @@ class Grid(Fields, Counter):
         """What this process has of it."""
         return np.add.reduce(values, axis=-1)
 
-    def inner_here(self, first, second):
-        """What this process has of the inner products of fields (fields, nodes), of each pair."""
-        return np.einsum("in,in->i", first, second)
-
     def mean(self, values):
         """Mean over the whole cell of values that vanish off the given nodes (last axis)."""
         return self.sum(values) / self.size

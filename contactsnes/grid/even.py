@@ -53,19 +53,6 @@ class EvenGrid(Grid):
         axis)."""
         return values @ self.weights
 
-    def inner_here(self, first, second):
-        """As `Grid.inner_here`.
-
-        Parameters
-        ----------
-        first, second : as of that
-        """
-        return np.einsum("in,in,n->i", first, second, self.weights)
-
-    def mean(self, values):
-        """Mean over the whole cell of values that vanish off these nodes (last axis)."""
-        return self.sum(values) / self.size
-
     def count(self, mask):
         """Number of nodes that those stand for where ``mask`` holds."""
         return int(self.together(np.sum(self.weights, where=mask)))
