@@ -8,8 +8,21 @@ from ..options.fields import InputError, Options, option
 STYLES = "name or file of a style of matplotlib"
 
 
+class _OfPoints(Options):
+    """Options one of which, ``points``, names points."""
+
+    def __post_init__(self):
+        super().__post_init__()
+        whole_numbers(self.option_name("points"), self.points)
+
+    @property
+    def chosen(self):
+        """The points, a list of int, or None."""
+        return whole_numbers(self.option_name("points"), self.points)
+
+
 @dataclass(frozen=True)
-class PlotOptions(Options):
+class PlotOptions(_OfPoints):
     """Options of ``contactsnes plot``."""
 
     prefix: ClassVar[str] = "plot_"
@@ -32,19 +45,10 @@ class PlotOptions(Options):
                                  "17")
     style: str = option("", STYLES, default_text="a journal's column")
 
-    def __post_init__(self):
-        super().__post_init__()
-        whole_numbers(self.option_name("points"), self.points)
-
     @property
     def formats(self):
         """Endings of the files."""
         return [f".{name}" for name in dict.fromkeys(self.format.split(","))]
-
-    @property
-    def chosen(self):
-        """Points of profiles and maps, a list of int, or None."""
-        return whole_numbers(self.option_name("points"), self.points)
 
 
 @dataclass(frozen=True)
@@ -75,7 +79,7 @@ class TableOptions(Options):
 
 
 @dataclass(frozen=True)
-class ExportOptions(Options):
+class ExportOptions(_OfPoints):
     """Options of ``contactsnes export``."""
 
     prefix: ClassVar[str] = ""
@@ -84,15 +88,6 @@ class ExportOptions(Options):
                          default_text="all that have fields")
     precision: str = option("single", "of the fields in the file", choices=("single", "double"))
     output: str = option("", "the file", default_text="RUN.vtkhdf beside the archive")
-
-    def __post_init__(self):
-        super().__post_init__()
-        whole_numbers(self.option_name("points"), self.points)
-
-    @property
-    def chosen(self):
-        """Points, a list of int, or None."""
-        return whole_numbers(self.option_name("points"), self.points)
 
 
 @dataclass(frozen=True)

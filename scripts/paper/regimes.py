@@ -102,7 +102,8 @@ class Begun(NamedTuple):
 
 
 def slid_area(results, force):
-    """Area after gross sliding at the approach of a normal force, the same for all interfaces."""
+    """Area after gross sliding at the normal displacement of a force, the same for all
+    interfaces."""
     return results[f"half-t0.1-w{force:g}"]["contact_area"][-1]
 
 

@@ -54,12 +54,6 @@ def linear_rise(results):
                    "contact does")
 
 
-def slid_area(results, force):
-    """Area after gross sliding at the normal displacement of a force, which is the same for every
-    tangential parameter."""
-    return results[f"half-t0.1-w{force:g}"]["contact_area"][-1]
-
-
 @statement("Fig. 5a", "lambda_t = 0.1: sliding begins with an abrupt loss "
            "of area; 10: the least area is reached before; 1: before "
            "it at the high load, not at the low one", "share of the area "
@@ -72,8 +66,8 @@ def least_area(results):
             for law in ("full", "half"):
                 record = results[f"{law}-t{maugis:g}-w{force:g}"]
                 begun, first = onset(record), record["contact_area"][sheared_part(record).start]
-                shares[maugis, force, law] = (begun.area - slid_area(results, force)) / (
-                    first - slid_area(results, force))
+                shares[maugis, force, law] = (begun.area - regimes.slid_area(results, force)) / (
+                    first - regimes.slid_area(results, force))
             found.append((case(maugis, force), [Number(name, shares[maugis, force, law], "%")
                                                 for name, law in (("tau_max", "full"),
                                                                   ("tau_max/2", "half"))]))
