@@ -39,5 +39,5 @@ def topography(filename):
 
 def _from_positions(found):
     """The size of a profile of points, which the library has from the first to the last one."""
-    positions = found.positions()
-    return float((positions[-1] - positions[0]) * len(positions) / (len(positions) - 1)),
+    places = found.positions()
+    return (float((places[-1] - places[0]) * len(places) / (len(places) - 1)),)
