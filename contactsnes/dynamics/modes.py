@@ -24,7 +24,7 @@ them."""
 PAIRED = 0.15
 """Residual of a mode over its positive real part that certifies it where the projection has complex
 pairs: J is far from symmetric there, and what looked like a pair of 0.215 +- 0.119i with a residual
-of 0.079 was a mode of -0.012 beside one of 0.199. Without pairs a half will do."""
+of 0.079 hid a mode of -0.012. Without pairs a half will do."""
 LOST = 0.15
 """Residual of the first mode of the last point, carried to this one, from which on modes of its
 symmetry are looked for as if none were known: a few products from there may lead to the second."""

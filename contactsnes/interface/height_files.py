@@ -1,7 +1,6 @@
 """Files of heights, as they are: numbers, and the size and unit that they tell. Files are data:
 nothing in them is executed."""
 
-import codecs
 import math
 import re
 import textwrap
@@ -12,7 +11,7 @@ import numpy as np
 from numpy.lib.format import MAGIC_PREFIX
 
 from ..system.devices import failure
-from .instruments import has_library, topography
+from .instruments import WIDE, has_library, is_binary, topography
 from .stored_heights import Heights, Stored, stored
 
 UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9, "pm": 1e-12, "A": 1e-10}
@@ -23,10 +22,6 @@ LONGEST = 300
 """Characters of a library's reason that are told."""
 UNEVEN = 0.02
 """Part of a step by which places of points may miss a regular grid."""
-HEAD = 4096
-"""Bytes that tell a file of text, which has none that is 0."""
-WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
-"""How text of two bytes a letter begins, as spreadsheets write it."""
 NO_NUMBER = re.compile(r"#(?=N/A|NV\b|[A-Z/0]+[!?]|(?:QNAN|QNB|SNAN|IND|INF)\d*\b)")
 """In what spreadsheets and the C of Windows write for no number (#N/A, 1.#QNAN), a sign that begins
 no comment."""
@@ -105,8 +100,7 @@ def _read_dataset(filename, dataset):
 def _read_map(filename, _=""):
     """A map as rows of numbers; of a file that is no text, what an instrument wrote under the same
     ending; ValueError for places, in columns or beside the heights."""
-    head = Path(filename).read_bytes()[:HEAD]
-    if b"\0" in head and not head.startswith(WIDE) and has_library():
+    if is_binary(filename) and has_library():
         return _read_instrument(filename)
     found = _read_table(filename)
     if found.ndim == 2 and found.shape[1] in (2, 3) and _are_points(found):

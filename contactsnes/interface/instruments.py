@@ -1,15 +1,24 @@
 """Files of instruments, by the library SurfaceTopography."""
 
+import codecs
 import importlib.util
-from pathlib import Path
 
 HEAD = 4096
-"""Bytes that tell a text, which has none that is 0."""
+"""Bytes that tell a file of text, which has none that is 0."""
+WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+"""How text of two bytes a letter begins, as spreadsheets write it."""
 
 
 def has_library():
     """Whether SurfaceTopography is there."""
     return importlib.util.find_spec("SurfaceTopography") is not None
+
+
+def is_binary(filename):
+    """Whether a file is no text."""
+    with open(filename, "rb") as file:
+        head = file.read(HEAD)
+    return b"\0" in head and not head.startswith(WIDE)
 
 
 def topography(filename):
@@ -31,7 +40,7 @@ def topography(filename):
         if channel.physical_sizes is not None:
             found = reader.topography()
             return found, tuple(map(float, found.physical_sizes))
-        if b"\0" not in Path(filename).read_bytes()[:HEAD]:
+        if not is_binary(filename):
             raise ValueError("a text that tells no size; call it FILE.txt to have its numbers read "
                              "as a map whose rows follow each other along x")
         return reader.topography(physical_sizes=(1.0,) * channel.dim), None

@@ -240,7 +240,7 @@ def test_an_imaginary_part_within_the_residual_is_none(error, imaginary):
     (0.2154, 0.0786, False), (0.2154, 0.12, True)])
 def test_a_pair_of_a_projection_says_stable_only_with_a_small_residual(value, residual, loose):
     """A body of Poisson ratio 0 that slips: the first pair was what a space that was too small
-    showed of the eigenvalues -0.0125 and 0.2425, and its point was called stable."""
+    showed of an eigenvalue of -0.012 and another one, and its point was called stable."""
     defects = np.array([[residual, 0.0], [0.05, 0.0]])
     modes = Modes(np.array([value, 0.5466]), np.eye(2, dtype=complex), defects,
                   np.array([True, True]))
