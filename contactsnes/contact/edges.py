@@ -5,7 +5,7 @@ import numpy as np
 import scipy
 
 from ..grid.active import Nodes
-from ..grid.boxes import MOST
+from ..grid.clusters import MOST
 from ..grid.windows import Window
 from ..kernels.splines import followed
 from .combining import combined, without_overlap

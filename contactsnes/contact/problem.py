@@ -11,8 +11,8 @@ from threading import RLock
 import numpy as np
 
 from ..grid.active import widened
-from ..grid.boxes import fitting
 from ..grid.cell import Convolution, Grid
+from ..grid.clusters import fitting
 from ..grid.operator import Operator
 from ..grid.parity import UNEVEN, asymmetry
 from ..grid.windows import enclosing
@@ -277,7 +277,8 @@ class Contact:
         if self.convex or self.grid.shared:
             return enclosing(self.grid, near, 0.05, half)
         return fitting(self.grid, near if half is None
-                       else half.full.box(half.unfold(near.reshape(-1))), 0.05)
+                       else half.full.box(half.unfold(near.reshape(-1))), 0.05,
+                       picked=self.scattered)
 
     def acting(self, normal_gap):
         """Mask of the nodes of the cell whose normal gap (delta_n) is within the law's range, or

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from ..grid.active import Nodes
-from ..grid.boxes import reaching
+from ..grid.clusters import reaching
 from ..kernels import points
 from .depth import of_start
 from .problem import SUPPORT

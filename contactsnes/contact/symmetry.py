@@ -3,7 +3,7 @@ the method allows it, until a state is not."""
 
 from functools import cache, partial
 
-from ..grid.boxes import cost
+from ..grid.clusters import cost
 from ..grid.even import centred, halved, lone, unlike
 from ..grid.parity import asymmetry, obstacle
 from ..grid.parity import parities as parities_of

@@ -11,8 +11,8 @@ from functools import cached_property, reduce
 
 import numpy as np
 
-from .boxes import reaching
 from .cell import Grid
+from .clusters import reaching
 from .contours import area_below
 from .windows import Window
 

@@ -26,6 +26,7 @@ from contactsnes.continuation.points import (  # noqa: E402
     NoWayBack,
 )
 from contactsnes.dynamics import jumps  # noqa: E402
+from contactsnes.grid import clusters  # noqa: E402
 from contactsnes.scene.settings import Form, Steps  # noqa: E402
 from contactsnes.solvers.patience import FURTHEST, Patience, first_forcing  # noqa: E402
 
@@ -332,8 +333,9 @@ def test_a_first_linear_system_is_solved_as_far_as_two_iterations_need(part):
     assert first * 0.5 * first ** 1.6 == pytest.approx(part if furthest < part < least else least)
 
 
-def test_motions_spread_to_spots_far_apart():
+def test_motions_spread_to_spots_far_apart(monkeypatch):
     """From one spot to several boxes of nodes, as on all nodes."""
+    monkeypatch.setattr(clusters, "OF_NODES", 2.0)
     scene = Scene(dimension=2, geometry="rough", rough_on="flat", rough_slope=6.0,
                   rough_shortest=6.0, rough_longest=50.0, rough_seed=2, points=96, period=100.0,
                   normal_maugis=2.0, height=float("inf"))

@@ -11,7 +11,7 @@ from contactsnes.contact.combining import combined
 from contactsnes.contact.edges import follow_edge
 from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.problem import DISPLACEMENT, Contact
-from contactsnes.grid import boxes as spots
+from contactsnes.grid import clusters
 from contactsnes.grid.boxes import Spots, SpotsConvolution
 from contactsnes.grid.cell import Convolution, Grid, transform_cost
 from contactsnes.grid.numbers import numbers_of, of_numbers
@@ -65,7 +65,8 @@ def plane_scene(directory, places=((-19.0, -18.0), (20.0, -14.0), (1.0, 22.0)), 
 def always(monkeypatch):
     """Boxes wherever they do not touch, however little that saves."""
     for name in ("MULTIPLICATION", "POINTWISE", "CALL"):
-        monkeypatch.setattr(spots, name, 0.0)
+        monkeypatch.setattr(clusters, name, 0.0)
+    monkeypatch.setattr(clusters, "OF_NODES", clusters.WORTH)
 
 
 # Nodes and their convolution
@@ -158,17 +159,17 @@ def mask_of(shape, boxes):
 def test_spots_far_apart_have_a_box_each(shape, boxes):
     """Across the border of the cell, too; every node is inside, with a margin."""
     grid, mask = mask_of(shape, boxes)
-    window = spots.fitting(grid, mask, 0.05)
+    window = clusters.fitting(grid, mask, 0.05)
     assert len(window.parts) == 3 and window.size < 2.0 * np.count_nonzero(mask)
     outside = mask.copy()
     outside[window.indices] = False
     assert not outside.any() and not window.take(mask)[window.rim()].any()
-    assert spots.cost(window) < spots.WORTH * spots.cost(enclosing(grid, mask, 0.05))
+    assert clusters.cost(window) < clusters.WORTH * clusters.cost(enclosing(grid, mask, 0.05))
 
 
 def test_neighbours_share_a_box():
     grid, mask = mask_of((2 ** 14,), [((1000,), (300,)), ((1310,), (100,)), ((9000,), (350,))])
-    assert len(spots.fitting(grid, mask, 0.05).parts) == 2
+    assert len(clusters.fitting(grid, mask, 0.05).parts) == 2
 
 
 @pytest.mark.parametrize("boxes", [[((1000,), (400,))], [((16300,), (200,))], [],
@@ -177,7 +178,22 @@ def test_neighbours_share_a_box():
                          ids=["one", "across the border", "none", "large", "near"])
 def test_one_window_where_that_is_cheaper(boxes):
     grid, mask = mask_of((2 ** 14,), boxes)
-    assert spots.fitting(grid, mask, 0.05) == enclosing(grid, mask, 0.05)
+    assert clusters.fitting(grid, mask, 0.05) == enclosing(grid, mask, 0.05)
+
+
+def test_boxes_cost_less_than_one_window_of_all_nodes_before_less_than_one_of_few(monkeypatch):
+    """Where a window has the nodes alone on which the law acts, a box's nodes are many."""
+    grid, mask = mask_of((256, 256), [((25, 34), (17, 18)), ((150, 134), (18, 17))])
+    one = enclosing(grid, mask, 0.05)
+    boxes = clusters.fitting(grid, mask, 0.05)
+    assert len(boxes.parts) == 2 and len(one.parts) == 1
+    nodes = np.count_nonzero(mask)
+    assert clusters.cost(one, nodes) == pytest.approx(
+        clusters.cost(one) - clusters.POINTWISE * (one.size - nodes))
+    between = clusters.cost(boxes) / clusters.cost(one, nodes)
+    for least, found in ((1.01 * between, boxes), (0.99 * between, one)):
+        monkeypatch.setattr(clusters, "OF_NODES", least)
+        assert clusters.fitting(grid, mask, 0.05, picked=True) == found
 
 
 def test_many_spots_are_joined_first():
@@ -187,7 +203,7 @@ def test_many_spots_are_joined_first():
         mask = np.zeros(shape, bool)
         mask[tuple(rng.integers(0, n // 2, count) + n // 3 for n in shape)] = True
         grid = Grid(shape, [1.0] * len(shape))
-        window = spots.fitting(grid, mask, 0.05)
+        window = clusters.fitting(grid, mask, 0.05)
         assert np.count_nonzero(window.take(mask)) == np.count_nonzero(mask)
         numbers = window.take(np.arange(grid.size).reshape(shape))
         assert len(set(numbers)) == len(numbers)
