@@ -9,7 +9,7 @@ from ..grid.clusters import MOST
 from ..grid.windows import Window
 from ..kernels.splines import followed
 from .combining import combined, without_overlap
-from .fronts import FAR, LEAST, followed_places, in_cohesive_lengths, nodes_between
+from .fronts import FAR, LEAST, followed_places, in_cohesive_lengths, may_be_lone, nodes_between
 from .state import State, alike, below, onto, spread, weighted
 from .states import NEAR, normal_gap, wider
 from .survey import gaps_once
@@ -59,10 +59,10 @@ def _ahead(contact, states, weights):
 
 
 def _follow_on_nodes(contact, states, weights):
-    """The same on the box of a window of some of its nodes, where spots are few."""
+    """The same on the box of a window of some of its nodes, which costs as much as a step where
+    these are few: not of several spots."""
     window = states[-1].window
-    _, count = scipy.ndimage.label(window.box(normal_gap(contact, states[-1]), np.inf) < NEAR)
-    if not 0 < contact.grid.largest(count) <= MOST:
+    if not may_be_lone(contact, states[-1]):
         return None
     box = [State(window.hull, onto(state, window.hull), state.means) for state in states]
     ahead = _ahead(contact, box, weights)

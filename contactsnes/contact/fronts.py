@@ -17,6 +17,9 @@ that to be no chance. Where a grid pins fronts, they miss it by a part of a spac
 of the cohesive length than this."""
 LEAST = 4.0
 """Nodes that lie at least between places that are followed."""
+ROUND = 3
+"""Nodes by which a spot, at either of its ends, is shorter on the line through its middle than as a
+whole, at most."""
 
 _KNOWN = weakref.WeakKeyDictionary()
 """State -> contact, and places in it (`_kept_places`)."""
@@ -49,10 +52,32 @@ def edges(contact, state):
         along = np.add(*(nodes.line(box, axis, through) for box in boxes))
         places, _ = _crossed(contact, state, along, level, axis)
         # The extent of all that touches is that on the line, give or take the roundness of a spot.
-        if len(places) != 2 or places[0] > line.start + 2 or places[1] < line.stop - 3:
+        if (len(places) != 2 or places[0] > line.start + ROUND - 1
+            or places[1] < line.stop - ROUND):
             return None
         ends.append(places)
     return np.array(ends)
+
+
+def may_be_lone(contact, state):
+    """Whether `edges` may find one spot in a state on some nodes of a box, told by these nodes: on
+    the lines through the middle of all that touch there are as many as from first to last.
+
+    Parameters
+    ----------
+    contact : Contact
+    state : State on `grid.active.Nodes`
+    """
+    window, level = state.window, contact.scene.contact_threshold
+    touching = window.places[below(state.normal, contact.gap_on(window), level)]
+    rows, columns = np.divmod(touching, window.shape[1])
+    known = rows + window.start[0], columns
+    (top, bottom), (left, right) = contact.grid.ends(known)
+    if top > bottom:
+        return False
+    beside = contact.grid.count(columns == (left + right + 1) // 2)
+    across = contact.grid.count(known[0] == (top + bottom + 1) // 2)
+    return beside > bottom - top - 2 * ROUND and across > right - left - 2 * ROUND
 
 
 def _normal_gap(contact, state):

@@ -496,6 +496,35 @@ def test_two_spots_of_a_plane_have_no_edge_to_follow():
                                                      np.zeros(1))) is None
 
 
+def test_what_has_an_edge_on_a_box_may_have_one_on_some_of_its_nodes(monkeypatch):
+    """Random ellipses, some of them in pairs: whatever has an edge passes, and far pairs do not, of
+    which nothing more is looked at."""
+    contact, random = plane(points=(64, 48)), np.random.default_rng(3)
+    x, y = contact.grid.coordinates()
+    lone = []
+    for _ in range(300):
+        middle, half = random.uniform(-4.0, 4.0, (2, 2)), random.uniform(0.4, 3.0, (2, 2))
+        gaps = [((x - place[0]) / size[0]) ** 2 + ((y - place[1]) / size[1]) ** 2 - 1.0
+                for place, size in zip(middle, half)]
+        gap = 5.0 * (gaps[0] if random.random() < 0.5 else np.minimum(*gaps))
+        whole = with_gap(contact, contact.grid.whole, gap.reshape(-1)
+                         + contact.scene.contact_threshold)
+        nodes = some(contact.grid.whole, np.flatnonzero(gap.reshape(-1) < 4.0))
+        part = states.State(nodes, nodes.take(whole.displacement.reshape(1, *gap.shape)),
+                            whole.means)
+        lone.append(fronts.may_be_lone(contact, part))
+        assert lone[-1] or fronts.edges(contact, whole) is None
+    assert 100 < sum(lone) < 250
+    few = some(contact.grid.whole, np.array([3, 40]))
+    touching = states.State(few, contact.scene.contact_threshold - 1.0
+                            - few.take(contact.initial_gap)[None], np.zeros(1))
+    assert not fronts.may_be_lone(contact, touching)
+    monkeypatch.setattr(following, "onto", None)
+    assert following.follow_edge(contact, [touching, touching], np.array([-1.0, 2.0])) is None
+    apart = states.State(few, touching.displacement + 9.0, np.zeros(1))
+    assert not fronts.may_be_lone(contact, apart)
+
+
 def test_a_second_spot_next_to_the_window_is_no_trouble():
     """A spike just outside the window, which the displacement at its rim would bring into
     contact."""
