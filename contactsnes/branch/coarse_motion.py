@@ -105,7 +105,7 @@ def _settled(system, state, controls, load, where, origin):
         return with_works(corrected(system, level.prolonged(point.state), controls, load), point)
 
     return (coarsely(system, controls, origin, motion)
-            or jumps.settle(system, state, controls, load, where, origin))
+            or jumps.left(system, state, controls, load, where, origin))
 
 
 def with_works(point, motion):

@@ -13,7 +13,7 @@ from ..contact.problem import DISPLACEMENT, FORCE
 from ..contact.state import spread
 from ..contact.survey import gaps
 from ..continuation.points import Direction, NotConverged
-from ..dynamics import jumps
+from ..dynamics import kicks
 from ..solvers import callbacks
 from ..solvers.capabilities import asked
 from ..solvers.precision import pays
@@ -62,7 +62,7 @@ class Tracer(Corrector, Neighbours, Ends):
     """
 
     examiner = None
-    kicked = jumps.kicked
+    kicked = kicks.kicked
     settle = coarse_motion.settle
     crossed = crossing.crossed
 

@@ -91,15 +91,21 @@ def stored(contact, point):
     grid = contact.grid if state.half is None else state.half.grid
     elastic = 0.5 * weights(contact, state.components) @ (
         point.forces * far_displacements(contact, point) - grid.node_area * survey.work)
-    potential = _potential(contact, state, getattr(grid, "weights", None))
+    interfacial = potential(contact, state)
+    return float(elastic), np.nan if interfacial is None else interfacial
+
+
+def potential(contact, state):
+    """Energy of the interface, phi_n beta; None where there is none."""
+    grid = contact.grid if state.half is None else state.half.grid
+    found = _potential(contact, state, getattr(grid, "weights", None))
     # whether there is one hangs on the gaps of all nodes
-    return float(elastic), np.nan if grid.any(potential is None) else float(
-        grid.node_area * grid.together(potential))
+    return None if grid.any(found is None) else float(grid.node_area * grid.together(found))
 
 
 def _potential(contact, state, each):
-    """Energy of the interface, summed over a state's nodes, phi_n: part by part, which stay in the
-    processor's cache. None where there is none.
+    """The same, summed over a state's nodes, phi_n: part by part, which stay in the processor's
+    cache.
 
     Parameters
     ----------
@@ -186,8 +192,8 @@ class PathEnergies:
         interface, balance = point.interfacial_energy - before.interfacial_energy, "potential"
         if np.isnan(interface):
             # Nearer to the truth than ``viscous_work``, which is kept beside it: velocities end
-            # more abruptly than gaps do, and the kick skips what a small jump loses first. But its
-            # error may be more than all that is lost, even than nothing.
+            # more abruptly than gaps do. But its error may be more than all that is lost, even than
+            # nothing.
             interface = point.jump_work
             balance = "unknown" if np.isnan(point.jump_work) else "motion"
             told, viscous = left - interface, point.viscous_work

@@ -2,12 +2,13 @@
 polished by Newton."""
 
 import math
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
 
-from ..contact import combining, states
-from ..contact.energies import weights
+from ..contact import states
+from ..contact.energies import potential, weights
 from ..contact.force_form import ForceForm
 from ..contact.interface_work import FAR_PANELS, straight
 from ..continuation.points import NoEquilibrium, NotConverged
@@ -17,6 +18,7 @@ from ..solvers.snes import COLD, WARM
 from ..solvers.vectors import collect
 from .control import rough
 from .endings import Circling, Leaving, Unsettled
+from .kicks import between, carried
 from .overdamped import MotionOptions, OverdampedMotion
 from .relaxing import ENDLESS, relaxed
 
@@ -34,6 +36,10 @@ SLOWED = 0.05
 """Part of the largest speed that a `rough` motion has had at which Newton's method tries to take
 over, and a tenth of it the next time: one that passes a fold has not been faster before."""
 
+SHORT, NEARER = 5.0, 0.1
+"""Length of a jump, in kicks, below which the kick misses so much of the motion's own way that the
+works on it are summed up anew; and the part of the jump with which that begins."""
+
 BASIN = 0.02
 """Distance at any node where the law acts, within which Newton's solution is the motion's end.
 
@@ -41,28 +47,6 @@ Ranges of the law.
 """
 WIDE = 0.1
 """The same where a `rough` motion has but slowed down and the solution is stable."""
-
-
-def kicked(system, fold, beyond, part):
-    """The state beside a fold from which the motion of a jump begins.
-
-    Along the null vector, the way the branch goes on; at a corner, which has none, along the branch
-    behind it. A plateau of the load has neither: towards a state beyond it.
-
-    Parameters
-    ----------
-    system : Corrector
-    fold : Point
-    beyond : State, of the branch behind the fold
-    part : float, of the distance -jump_motion_kick
-    """
-    state = fold.state
-    if fold.tangents:
-        change = fold.tangents[-1].state
-        beyond = states.State(change.window, states.onto(state, change.window)
-                              + change.displacement, state.means + change.means)
-    part *= read(MotionOptions).kick / max(states.missed(system.contact, state, beyond), 1e-12)
-    return combining.combined(system.contact, [beyond, state], [part, 1.0 - part])
 
 
 def settle(system, state, controls, load, where, origin=None):
@@ -102,6 +86,33 @@ def settle(system, state, controls, load, where, origin=None):
         failure = str(error)
     collect()
     return _unfollowed(system, state, controls, load, where, failure)
+
+
+def left(system, state, controls, load, where, origin=None):
+    """`settle` from a state that a kick leads to from an equilibrium at this load.
+
+    A jump hardly longer than its kick goes another way than that, on which the law does another
+    work if it has no potential: its works are those of a second motion from a smaller kick.
+
+    Parameters
+    ----------
+    system, state, controls, load, where, origin : as of `settle`, which tells of errors
+    """
+    point = settle(system, state, controls, load, where, origin)
+    if not math.isfinite(point.viscous_work):
+        return point
+    contact, jump = system.contact, states.missed(system.contact, origin, point.state)
+    part = NEARER * jump / states.missed(contact, origin, state)
+    if part >= NEARER * SHORT or all(potential(contact, one) is not None
+                                     for one in (origin, point.state)):
+        return point
+    motion, way = started(system, between(contact, origin, state, part), controls, load, origin,
+                          read(MotionOptions))
+    with suppress(Leaving, Unsettled):
+        motion.follow(RESTS[0], SLOWED)
+        if states.missed(contact, motion.state(), point.state) < NEARER * jump:
+            point = summed(contact, motion, way, point)
+    return point
 
 
 def _unfollowed(system, state, controls, load, where, failure):
@@ -152,43 +163,44 @@ def by_creep(system, state, controls, load, origin, options):
     """
     if system.contact.grid.any(~np.isfinite(state.displacement)):
         raise NotConverged("it cannot begin: its start holds NaN or infinite values")
-    contact, state = system.contact, system.fitted(state)
-    beside = origin is not None and states.missed(contact, origin, state) <= BESIDE
-    motion = OverdampedMotion(contact, system.symmetry, controls, load, state, system.totals,
-                              options, system.settings.linear_precision,
-                              carried(contact, origin, state) if beside else None,
-                              measured=origin is not None)
+    motion, way = started(system, state, controls, load, origin, options)
     point = at_rest(system, motion, controls, load)
-    if not motion.measured:
-        return point
-    works = contact.grid.node_area * motion.works
-    works[0] += straight(contact, origin, state, 1 if beside else FAR_PANELS)
-    # Newton's method goes the last part of the way: not a small one where nothing holds the body.
-    works[0] += straight(contact, motion.state(), point.state, 1)
-    works = works @ weights(contact, len(controls))
-    return replace(point, jump_work=float(works[0]),
-                   viscous_work=float(works[1]) if beside else math.nan)
+    return summed(system.contact, motion, way, point) if motion.measured else point
 
 
-def carried(contact, origin, state):
-    """Tractions that the body carries (components, nodes of the window) in a state beside an
-    equilibrium.
-
-    The way from there is one of its modes, along which the body is in balance with the law's
-    tangent: with the law itself it is not, as far as that bends.
+def started(system, state, controls, load, origin, options):
+    """The overdamped motion from a state, and the works that led there from ``origin`` on interface
+    and against viscosity, for each component, phi_i, array (2, components); None without one.
 
     Parameters
     ----------
-    contact : Contact
-    origin : State, the equilibrium
-    state : State
+    system, state, controls, load, origin, options : as of `by_creep`
     """
-    gap = states.onto(origin, state.window).copy()
-    way = state.displacement - gap
-    gap[0] += state.window.take(contact.initial_gap)
-    traction = contact.law.traction(gap)
-    traction += np.einsum("ijn,jn->in", contact.law.tangent(gap), way)
-    return traction
+    contact, state = system.contact, system.fitted(state)
+    beside = origin is not None and states.missed(contact, origin, state) <= BESIDE
+    elastic, given = carried(contact, origin, state) if beside else (None, math.nan)
+    motion = OverdampedMotion(contact, system.symmetry, controls, load, state, system.totals,
+                              options, system.settings.linear_precision, elastic,
+                              measured=origin is not None)
+    if origin is None:
+        return motion, None
+    done = straight(contact, origin, state, 1 if beside else FAR_PANELS)
+    return motion, np.array([done, given - done])
+
+
+def summed(contact, motion, way, point):
+    """The point where a motion ends, with the works since the equilibrium beside which it began.
+
+    Parameters
+    ----------
+    contact, motion, way : Contact, and as of `started`
+    point : Point
+    """
+    works = contact.grid.node_area * motion.works + way
+    # Newton's method goes the last part of the way: not a small one where nothing holds the body.
+    works[0] += straight(contact, motion.state(), point.state, 1)
+    interface, viscous = works @ weights(contact, len(point.controls))
+    return replace(point, jump_work=float(interface), viscous_work=float(viscous))
 
 
 def at_rest(system, motion, controls, load):

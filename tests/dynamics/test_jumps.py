@@ -279,6 +279,43 @@ def test_a_jump_from_out_of_the_laws_range_loses_what_motion_from_afar_does(law,
     assert jump.dissipated_work - fold.dissipated_work == pytest.approx(lost, rel=5e-3)
 
 
+def test_a_jump_as_short_as_its_kick_loses_what_motion_from_the_fold_does():
+    """No potential tells: edges that a coarse grid pins move on by a node, and another way there
+    than the motion's, as the kick's, takes another loss."""
+    scene = Scene(points=64, period=16.0, normal_maugis=2.0, tangential_maugis=3.0,
+                  height=float("inf"), residual_friction=0.2)
+    branch = Branch(scene, Load("normal_displacement=1",
+                                "normal_force=3; tangential_displacement=8"))
+    path, points = iter(branch), []
+    while not points or points[-1].event != "jump":
+        points.append(next(path))
+    (fold, jump), contact = points[-2:], branch.contact
+    assert states.missed(contact, fold.state, jump.state) < 1.5 * MotionOptions().kick
+    whole = OnTheCell(contact, fold.controls, fold.load)
+
+    def gap(displacement):
+        known = displacement.reshape(2, -1).copy()
+        known[0] += contact.initial_gap
+        return known
+
+    def rate(time, known):
+        moved = whole.rate(time, known[:-1])
+        return np.append(moved, contact.law.traction(gap(known[:-1])).reshape(-1) @ moved)
+
+    first, start, last = (contact.extended(state).reshape(-1) for state in (
+        fold.state, branch.corrector.kicked(fold, None, 0.05), jump.state))
+    end = solve_ivp(rate, (0.0, 1e3), np.append(start, 0.0), "LSODA", [1e3], rtol=1e-6,
+                    atol=1e-9).y[:, 0]
+    np.testing.assert_allclose(end[:-1], last, atol=1e-4)
+    tractions = contact.law.traction(gap(first)) + contact.law.traction(gap(start))
+    done = end[-1] + 0.5 * tractions.reshape(-1) @ (start - first)
+    lost = (jump.external_work - fold.external_work - jump.elastic_energy + fold.elastic_energy
+            - contact.grid.node_area * done)
+    assert jump.jump_balance == "motion"
+    assert jump.dissipated_work - fold.dissipated_work == pytest.approx(lost, rel=0.01)
+    assert jump.viscous_work == pytest.approx(lost, rel=0.05)
+
+
 def test_a_kick_is_along_the_null_vector(options):
     branch, points, _ = followed("sliding against friction")
     fold = points[-2]
