@@ -6,6 +6,10 @@ from ..contact import acceptance, combining, states
 from ..contact.edges import follow_edge
 from ..contact.fronts import fronts_foretold, fronts_moved
 
+OFF, OFF_ITS_WAY = 0.2, 0.4
+"""How far a node may end off its prediction before a short jump may be the reason: ranges of the
+law, and part of the farthest way of a node in the step."""
+
 
 class Neighbours:
     """States of a contact compared and combined, for a class with ``contact`` and ``symmetry``; no
@@ -75,6 +79,19 @@ class Neighbours:
         guess, last, state : State, foretold, before the step and after it
         """
         return acceptance.strayed(self.contact, *self._alike(guess, last, state))
+
+    def adrift(self, guess, last, state):
+        """Whether a node ends off its prediction by a large part of the farthest way of the step:
+        a short jump releases hardly any energy.
+
+        Parameters
+        ----------
+        guess, last, state : as of `strayed`
+        """
+        told = acceptance.ways(self.contact, *self._alike(guess, last, state))
+        aside = told.beyond + acceptance.STRAYS + acceptance.SHARE * min(told.farthest,
+                                                                         acceptance.LONG)
+        return aside > max(OFF, OFF_ITS_WAY * told.farthest)
 
     def doubtful(self, guess, last, state):
         """Whether a jump may be a part of the way to a state (``acceptance.doubtful``): where slip

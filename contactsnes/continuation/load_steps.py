@@ -24,6 +24,10 @@ FIRST = 1.0
 FURTHEST = 1.5
 """Way of a first step under a force by its tangent, ranges of the law, beyond which it is shortened
 at once: solves that begin farther off mostly end on another branch."""
+BACK = 0.8
+"""Part of the way of a step that the tangent at its end leads back, up to which what ended off its
+predictions may lie beyond a jump. (A parabola just behind its fold has one half, but is foretold in
+shorter steps.)"""
 LITTLE = 0.02
 """Part of a first step by which its tangent tells how fast edges of contact move: so short that
 they stay in place."""
@@ -121,20 +125,28 @@ class LoadSteps:
         return point
 
     def _strayed(self, guess, target, point):
-        """How some nodes ended where no prediction has them, however the solve began: part of the
-        contact has jumped. '' where none did."""
-        (here, last), doubted, used = self.history[-1], None, []
+        """How some nodes ended where no prediction has them, however the solve began, or off all of
+        them by much of their way: part of the contact has jumped. '' where none did."""
+        (here, last), doubted, off, used = self.history[-1], None, False, []
         for foretold in self._foretold(guess, target):
             beyond = self.system.strayed(foretold, last.state, point.state)
-            used.append(1.0 + beyond / self.system.leeway)
-            self._used = max(min(used), 0.0)
+            if not off:
+                used.append(1.0 + beyond / self.system.leeway)
+                self._used = max(min(used), 0.0)
             if beyond <= 0.0:
-                if not self.system.doubtful(foretold, last.state, point.state):
+                if self.system.doubtful(foretold, last.state, point.state):
+                    doubted = foretold if doubted is None else doubted
+                elif self.system.adrift(foretold, last.state, point.state):
+                    off = True
+                else:
                     return ""
-                doubted = foretold if doubted is None else doubted
-        if doubted is None:
+        if doubted is None and not off:
             return "nodes of the solve ended where no prediction has them"
         back = self.system.along_tangent(point, self.leg, target, here - target)
+        if doubted is None:
+            led = self.system.progress(point.state, last.state, back)
+            return "" if led > BACK else ("nodes of the solve ended off all predictions, and the "
+                                          "branch there hardly leads back")
         if not self.system.detached(doubted, last.state, point.state, back):
             return ""
         # A linear solve more is dear, but less so than a step that is refused for nothing.

@@ -64,6 +64,15 @@ class States(Protocol):
     def leeway(self) -> float:
         """How far any part of a state may be from its prediction, however short the step is."""
 
+    def adrift(self, guess: Any, last: Any, state: Any) -> bool:
+        """Whether a part of a state is off its prediction by so much of the step's way that a jump
+        may be a part of it, a short one of which nothing else tells.
+
+        Parameters
+        ----------
+        guess, last, state : as of `strayed`
+        """
+
     def doubtful(self, guess: Any, last: Any, state: Any) -> bool:
         """Whether a jump may be a part of the way from ``last`` to a state that was foretold.
 

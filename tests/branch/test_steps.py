@@ -215,6 +215,27 @@ def test_a_small_part_of_a_contact_that_snaps_is_seen():
         assert losses(points) == pytest.approx([0.0315073], rel=1e-4)
 
 
+@pytest.mark.parametrize("predictor, first", [("edge", "none"), ("none", "relaxation")])
+def test_a_jump_of_a_quarter_range_is_not_stepped_over(predictor, first):
+    """Edges that a coarse grid pins: their folds, whatever steps end beside them, and what relaxes
+    goes over."""
+    scene = {"points": 96, "period": 16.0, "normal_maugis": 3.0, "tangential_maugis": 3.0,
+             "height": inf, "poisson": 0.3, "work_ratio": 0.5, "residual_friction": 0.2}
+    points = walked(scene, "tangential_displacement=1.9", 0.02, 0.02,
+                    "normal_displacement=0.5, tangential_displacement=1.4", Form(first=first),
+                    predictor=predictor)
+    np.testing.assert_allclose(folds(points)[:, 1], [1.56585, 1.74267], atol=1e-5)
+
+
+def test_what_ends_off_its_prediction_by_much_of_a_steps_way_is_adrift():
+    corrector = Branch(Scene(points=256, period=20.0, normal_maugis=1.0),
+                       Load("normal_displacement=1", "normal_displacement=2")).corrector
+    last, found = (uniform(corrector.contact, gap) for gap in (1.0, 0.7))
+    for by, way, adrift in ((0.1, 0.0, False), (0.3, 0.0, True), (0.3, 1.5, False)):
+        start = last if not way else uniform(corrector.contact, 0.7 + way)
+        assert corrector.adrift(aside(found, 3, by), start, found) is adrift
+
+
 @pytest.mark.parametrize("kind", ["arclength", "natural"])
 def test_a_body_off_the_flat_lets_go_along_the_arc_too(kind):
     points = walked({**LAYER, "points": 256, "period": 30.0}, "normal_force=0.5", 1.0, 1.0,

@@ -196,7 +196,7 @@ class System:
     def doubtful(self, *_):
         return False
 
-    detached = doubtful
+    adrift = detached = doubtful
 
     def progress(self, origin, ahead, state):
         return (state - origin) @ (ahead - origin) / ((ahead - origin) @ (ahead - origin))
@@ -777,6 +777,18 @@ def test_a_step_that_one_prediction_foretells_without_doubt_is_kept(trusted, ref
     else:
         assert steps._step(0.2, PREDICTORS["secant"]).position == 0.2
     assert system.tangents == (2 if refused else trusted)
+
+
+@pytest.mark.parametrize("adrift, slope, refused", [(False, 1.0, False), (True, 2.0, False),
+                                                    (True, 1.0, True)])
+def test_the_branch_leads_back_from_where_a_step_ends_off_all_predictions(adrift, slope, refused):
+    """Behind a short jump, of which no energy tells, it does by what the load moves it only."""
+    system = Landing([0.4], explicit(lambda load: slope * load, lambda load: slope))
+    system.adrift = lambda *_: adrift
+    steps = NaturalSteps(system, UNIT_LEG, system.points([0.0], [0.2]), SECANT, "jump")
+    with (pytest.raises(NotConverged, match="hardly leads back, perhaps on another branch")
+          if refused else nullcontext()):
+        assert steps._step(0.2, SECANT).position == 0.2
 
 
 def test_what_a_step_released_is_asked_where_its_end_was_foretold():
