@@ -5,8 +5,9 @@ delta_i, so that compliances carry lambda_i lambda_j.
 """
 
 from dataclasses import replace
-from functools import cached_property, lru_cache, partial
+from functools import cached_property
 from threading import RLock
+from weakref import WeakValueDictionary
 
 import numpy as np
 
@@ -23,6 +24,7 @@ from ..kernels.choice import chosen
 from ..options.arguments import of_class, sealed, unpicklable
 from ..scene.parts import with_parts
 from ..scene.scene import Scene, changed
+from .keeping import kept
 from .survey import site, surveyed, tractions
 
 DISPLACEMENT, FORCE = "displacement", "force"
@@ -74,6 +76,7 @@ class Contact:
     """
 
     datum, isolated = 0.0, False
+    survey, site = kept(1)(surveyed), kept(4)(site)
 
     def __init__(self, scene, heights=None, counter=None, *, gap=None, law=None, grid=None,
                  geometry=None, body=None, kernels=None):
@@ -91,11 +94,7 @@ class Contact:
             gap = over_nodes("gap has", gap, scene)
         self.initial_gap = np.array(gap, dtype=float, order="C")
         self.body = bodies.of(scene)
-        self._operators = {}
-        self.circle = lru_cache(maxsize=32)(self._circle)
-        self.coarse = lru_cache(maxsize=1)(self._coarse)
-        self.survey = lru_cache(maxsize=1)(partial(surveyed, self))
-        self.gap_on, self.site = map(lru_cache(maxsize=4), (self._gap_on, partial(site, self)))
+        self._operators, self._like = {}, WeakValueDictionary()
         for array in (self.ranges, self._signs, self.initial_gap):
             array.flags.writeable = False
         self.turn = RLock()
@@ -172,11 +171,12 @@ class Contact:
             blocks = self.grid.symbols(getattr(self.body, kind), components)
             scaled = {(i, j): symbol * (self.ranges[i] * self.ranges[j]) ** power
                       for (i, j), symbol in blocks.items()}
-            self._operators[key] = Operator(self.grid, scaled, self.transforms,
-                                            self._operators.values())
+            made = Operator(self.grid, scaled, self.transforms, self._like)
+            self._operators[key] = self._like[key] = made
         return self._operators[key]
 
-    def _circle(self, component, shape, even=False, count=1, signs=None, apart=1):
+    @kept(32)
+    def circle(self, component, shape, even=False, count=1, signs=None, apart=1):
         """(transform, C_ii) of a component on a circle of ``shape`` points ``apart`` of the cell's
         spacings from each other, C scaled to ranges; `Grid.with_mean` at q = 0.
 
@@ -194,7 +194,8 @@ class Contact:
             own = grid.symbols(self.body.diagonal, components, shape, apart)[key]
         return transform, grid.with_mean(own * self.ranges[component] ** 2)
 
-    def _coarse(self, resolution):
+    @kept(1)
+    def coarse(self, resolution):
         """The contact on every other node, its law softened to spacing x maugis^2 <= resolution;
         the grid counts for both."""
         scene = self.scene
@@ -228,7 +229,8 @@ class Contact:
         U."""
         return self.signs(components) * self.ranges[:components] * values
 
-    def _gap_on(self, nodes):
+    @kept(4)
+    def gap_on(self, nodes):
         """The initial gap at nodes of the cell, delta_n, not to be changed."""
         gap = nodes.take(self.initial_gap)
         gap.flags.writeable = False

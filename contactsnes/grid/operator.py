@@ -2,6 +2,7 @@
 
 import math
 from itertools import product
+from types import MappingProxyType
 
 import numpy as np
 
@@ -17,10 +18,10 @@ class Operator:
     grid : Grid
     symbols : {(i, j): half spectrum} on the cell
     make : what makes transforms, as `cell.Transform`; None: as the grid has it
-    others : operators on the cell, which may have kernels of the same blocks
+    others : {key: operator on the cell}, which may have kernels of the same blocks
     """
 
-    def __init__(self, grid, symbols, make=None, others=()):
+    def __init__(self, grid, symbols, make=None, others=MappingProxyType({})):
         self.grid, self._make, self._others = grid, make or grid.transform, others
         self.blocks = {key: symbol / grid.size for key, symbol in symbols.items()}
         self._kernels = {}
@@ -29,7 +30,7 @@ class Operator:
         """Real-space kernel of a block over the cell: the response at each lag to a unit at lag
         0."""
         if key not in self._kernels:
-            known = (other._kernels[key] for other in self._others if key in other._kernels
+            known = (other._kernels[key] for other in self._others.values() if key in other._kernels
                      and not self.grid.any(other.blocks[key] != self.blocks[key]))
             found = next(known, None)
             self._kernels[key] = self._transformed(key) if found is None else found

@@ -27,6 +27,7 @@ from contactsnes.contact.force_form import ForceForm
 from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.isolated import IsolatedContact, lay_out
 from contactsnes.contact.problem import DISPLACEMENT, FORCE
+from contactsnes.contact.state import State
 from contactsnes.grid.windows import Window
 from contactsnes.interface.laws.coupled import SLIP
 from contactsnes.interface.laws.modified import Modified
@@ -764,3 +765,22 @@ def test_a_gap_of_ones_own_has_to_fit(gap, sentence):
     with pytest.raises(InputError, match=sentence.replace("gap has", "heights have")):
         Contact(scene, gap)
     assert Contact(scene, gap=[1] * 64).initial_gap.tolist() == [1.0] * 64
+
+
+def test_what_is_made_of_a_contact_does_not_hold_it():
+    """Its arrays are given back with its last use, those of coarser grids of a motion for
+    instance, not when Python looks for rings of objects."""
+    contact = contact_of(2)
+    operators = [contact.operator(2, kind) for kind in ("compliance", "stiffness")]
+    kernels = [operator.kernel((0, 0)) for operator in operators]
+    state = State(contact.widest, np.zeros((2, contact.grid.size)), np.zeros(2))
+    survey = contact.survey(state)
+    assert contact.survey(state) is survey and not np.array_equal(*kernels)
+    contact.site(contact.widest), contact.circle(0, contact.grid.shape)
+    held = [weakref.ref(thing) for thing in (contact, contact.coarse(0.5), *operators)]
+    gc.disable()
+    try:
+        del contact, operators
+        assert [thing() for thing in held] == 4 * [None]
+    finally:
+        gc.enable()
