@@ -325,6 +325,7 @@ int arc_product(Form *f, const Arc *arc, const double *vector, double *out);
 int arc_transposed(Form *f, const Arc *arc, const double *vector, double *out);
 void smooth_mask(const Blur *b, const unsigned char *mask, int mirrors, long first_row, long count,
                  float *sums, double *out);
+void add_on_two_grids(const TwoGrids *g, const float *field, long at, long n, double *out);
 int on_two_grids(TwoGrids *g, const double *field, double *out);
 int on_two_grids_of_floats(TwoGrids *g, const float *field, float *out);
 int set_up(Zone *z);

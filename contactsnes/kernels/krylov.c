@@ -312,3 +312,16 @@ int sum_up(Zone *z, long count, long size, const void *const *rows, const double
     widened(size, out);
     return status;
 }
+
+/* out += what two grids made of the sum of rows times factors, where that of what stood for patches is in their
+   sums. */
+void add_from_patches(const TwoGrids *g, long count, const void *const *rows, const double *const *scales,
+                      const double *factors, double *out)
+{
+    for (long from = 0; from < g->nodes; from += PIECE) {
+        const long n = g->nodes - from < PIECE ? g->nodes - from : PIECE;
+        float piece[PIECE] = {0.0f};
+        add_in_single(count, from, n, rows, scales, 1.0, factors, piece);
+        add_on_two_grids(g, piece, from, n, out + from);
+    }
+}

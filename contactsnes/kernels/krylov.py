@@ -84,16 +84,19 @@ class Iterations:
     vectors : arrays to work in, the first of which may be that
     space : Basis in single precision, or `Short`
     made : Basis of what the preconditioner made of its rows, or None
+    patches : OnTwoGrids that are the preconditioner as it is now, of which ``made`` holds what
+        stood for patches, or None
     orthogonality : `solvers.basis.Orthogonality`
     left : float, part of a vector that counts as none
     applied : what is called when the preconditioner was applied, or None
     """
 
-    def __init__(self, kernel, zone, choose, begin, vectors, space, made, orthogonality, left,
-                 applied=None):
+    def __init__(self, kernel, zone, choose, begin, vectors, space, made, patches, orthogonality,
+                 left, applied=None):
         self._kernel, self._zone, self._counter = kernel, zone, kernel.grid.counter
         self._choose, self._applied = choose, applied
         self._vectors, self._bases = vectors, (space, made)
+        self._patches, self._stood = patches, 0
         self._orthogonality, self._left = orthogonality, left
         shared().narrowed(len(begin), address(begin), address(vectors[0]))
 
@@ -103,7 +106,8 @@ class Iterations:
         (space, made), (vector, work) = self._bases, self._vectors
         space.make(place)
         out, kept = work, (None, None)
-        if made:
+        patches = self._patches if self._zone.patches is self._patches else None
+        if made and not self._patches:
             made.make(place)
             row = made.rows[place]
             if isinstance(row, Rounded):
@@ -116,6 +120,9 @@ class Iterations:
              len(vector), *space.rows.places(), factor, address(vector), address(out), *kept,
              self._orthogonality.bound, self._left, address(room[0]), address(room[1]))
         self._orthogonality.after(room[0])
+        if patches:
+            made.keep(place, patches.stands)
+            self._stood += 1
         if self._applied:
             self._applied()
         return room[0]
@@ -127,11 +134,18 @@ class Iterations:
         ----------
         factors : array, the part of each row
         """
-        (space, made), (vector, work) = self._bases, self._vectors
-        self._choose()
-        call(shared().sum_up, self._counter, self._zone.reference, len(factors), len(vector),
-             *(made or space).rows.places(), address(factors), made is None, address(vector),
-             address(work))
+        (space, made), (vector, work), stood = self._bases, self._vectors, self._stood
+        asks, rows = made is None or self._patches is not None, (made or space).rows.places()
+        if self._patches:
+            rows, work[...] = space.rows.places(), 0.0
+        if stood < len(factors):
+            # (another preconditioner may have taken over)
+            self._choose()
+            later, rest = factors[stood:], [first and first + 8 * stood for first in rows]
+            call(shared().sum_up, self._counter, self._zone.reference, len(later), len(vector),
+                 *rest, address(later), asks, address(vector), address(work))
+        if stood:
+            self._patches.add(rows, factors[:stood], made.rows, work)
 
 
 def _held(rows):

@@ -20,6 +20,8 @@ class AskedZone:
     apply : function (vector, out) of arrays in double precision, the second of which it fills
     """
 
+    patches = None  # (each process has all patches, and few nodes)
+
     def __init__(self, kernel, apply=None):
         self._kernel = kernel
         own = self.structure = structures.Zone(form=ctypes.pointer(kernel.structure))

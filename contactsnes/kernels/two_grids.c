@@ -67,6 +67,16 @@ static int apply(TwoGrids *g, const void *field, void *out, int floats)
     return 0;
 }
 
+/* Adds to some nodes what two grids make of a field there, at most SOME, where what stands for patches is in
+   their sums. */
+void add_on_two_grids(const TwoGrids *g, const float *field, long at, long n, double *out)
+{
+    double x[SOME], here[SOME];
+    widen(field, x, n);
+    (g->transform->single ? scatter_in_single : scatter_in_double)(g, x, at, n, here);
+    for (long k = 0; k < n; k++) out[k] += here[k];
+}
+
 int on_two_grids(TwoGrids *g, const double *field, double *out)
 {
     return apply(g, field, out, 0);

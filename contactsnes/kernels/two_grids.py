@@ -92,6 +92,29 @@ class OnTwoGrids:
         return self._room.sums[:self.structure.points].copy()
 
     @property
+    def stands(self):
+        """What stands for patches (patches) in what was made of a field last, which is that, the
+        field and weights of nodes."""
+        return self._room.sums[:self.structure.points]
+
+    def add(self, rows, factors, stood, out):
+        """Add what was made of the sum of fields times factors.
+
+        Parameters
+        ----------
+        rows : addresses of rows and of their scales, of `kernels.krylov.Rows`
+        factors : array, of the first of them
+        stood : list of arrays, what stood for patches (`stands`) in what was made of each
+        out : array (nodes), which is added to
+        """
+        sums = self.stands
+        sums[...] = 0.0
+        for factor, each in zip(factors, stood):
+            sums += factor * each
+        shared().add_from_patches(self._reference, len(factors), *rows, address(factors),
+                                  address(out))
+
+    @property
     def matrix(self):
         """The Hessenberg matrix of what was solved on patches last."""
         count = self.structure.count

@@ -52,7 +52,7 @@ class CompiledZone:
         own.form = ctypes.pointer(kernel.structure)
         if arc is not None:
             own.arc = ctypes.pointer(arc.structure)
-        self._kept = []
+        self._kept, self._grids = [], ()
         if quick:
             kernel.make_quick()
         self._lay_out(window, options)
@@ -164,6 +164,12 @@ class CompiledZone:
         for i in range(self.form.components):
             grid = grids[i] if grids else None
             self.structure.grids[i] = grid and ctypes.pointer(grid.structure)
+
+    @property
+    def patches(self):
+        """The OnTwoGrids that are all that it is now, or None."""
+        alone = len(self._grids) == 1 and not self.structure.mean_count
+        return self._grids[0] if alone else None
 
     def set_up(self, single=False):
         """Make the zones from the form's tangent, perhaps in single precision."""

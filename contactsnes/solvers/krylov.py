@@ -166,9 +166,8 @@ class GMRES:
             # what is not known of the solution yet is room to work in
             work = b.duplicate() if again else x
             few = aim >= ROUNDED * size and b.getSize() >= WIDE
-            bases = self._bases(Short if few else Basis if aim >= SAFE * size else None,
-                                ksp.getPC(), len(vector.getArray(readonly=True)))
-            iterations = self._iterations(ksp, begin, (vector, work), bases)
+            iterations = self._iterations(ksp, begin, (vector, work),
+                                          Short if few else Basis if aim >= SAFE * size else None)
             self._cycle(ksp, iterations, size)
             iterations.end(self.triangle.factors())
             del iterations  # with it PETSc has its vectors back
@@ -177,7 +176,6 @@ class GMRES:
                 work.destroy()  # at once: older petsc4py does so late
             begin, again = vector, True
             if not ksp.getConvergedReason():
-                bases = None  # the next cycle's may be others
                 ksp.getOperators()[0].mult(x, vector)
                 vector.aypx(-1.0, b)
                 size = vector.norm()
@@ -192,7 +190,7 @@ class GMRES:
         """Whether a preconditioner is asked again in place of what it made of vectors."""
         return self._cheap and is_ours(pc)
 
-    def _bases(self, kind, pc, count):
+    def _bases(self, kind, pc, count, patches):
         """(rows of the space, what the preconditioner made of them or None), of a kind: None in
         double precision; others are kept for the next solve.
 
@@ -201,16 +199,18 @@ class GMRES:
         kind : class of the first, or None
         pc : petsc4py PC
         count : int, numbers of a row here
+        patches : OnTwoGrids that are the preconditioner, so that what stood for patches tells what
+            they made, or None
         """
-        key = kind, is_ours(pc), self._asks_again(pc)
+        key = kind, is_ours(pc), self._asks_again(pc), patches and len(patches.stands)
         if kind and self._kept[0] == key:
             return self._kept[1]
         self.release()
         parts = (np.float32, self._products) if kind else (float, InDouble)
         # (iterations in the library round nothing that the zone makes)
-        made = kind if kind and not key[1] else Basis
+        made = kind if kind and not key[1] and not patches else Basis
         bases = ((kind or Basis)(*parts, self._grid, count),
-                 None if key[2] else made(*parts, self._grid, count))
+                 None if key[2] else made(*parts, self._grid, key[3] or count))
         if kind:
             self._kept = key, bases
         return bases
@@ -243,7 +243,7 @@ class GMRES:
             if size == 0.0 and not ksp.getConvergedReason():
                 ksp.setConvergedReason(PETSc.KSP.ConvergedReason.DIVERGED_BREAKDOWN)
 
-    def _iterations(self, ksp, begin, vectors, bases):
+    def _iterations(self, ksp, begin, vectors, kind):
         """What makes the iterations of a cycle: the library, or PETSc.
 
         Parameters
@@ -251,14 +251,17 @@ class GMRES:
         ksp : petsc4py KSP
         begin : Vec, the residual
         vectors : (Vec, Vec) to work in, the first of which may be that; the second is filled
-        bases : (Basis, Basis or None)
+        kind : class of the rows, None in double precision
         """
         operator, pc = ksp.getOperators()[0], ksp.getPC()
-        own = in_library(operator, pc) if bases[0].single else None
-        if not (own and compiled.steps_alone(own[0])):
+        own = in_library(operator, pc) if kind else None
+        alone = own and compiled.steps_alone(own[0])
+        patches = own[1].patches if alone else None
+        bases = self._bases(kind, pc, len(vectors[0].getArray(readonly=True)), patches)
+        if not alone:
             return Iterations(operator, pc, begin, vectors, *bases)
         arrays = [vector.getArray() for vector in vectors]
         given = arrays[0] if begin is vectors[0] else begin.getArray(readonly=True)
         *own, applied = own
-        return compiled.Iterations(*own, given, arrays, *bases,
+        return compiled.Iterations(*own, given, arrays, *bases, patches,
                                    Orthogonality(bases[0].kind), LEFT, applied)

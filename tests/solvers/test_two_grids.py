@@ -10,12 +10,15 @@ from contactsnes import Branch, Contact, Form, Load, Scene, Steps
 from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.problem import DISPLACEMENT
 from contactsnes.grid.active import Nodes
+from contactsnes.kernels import library
 from contactsnes.kernels.choice import chosen
-from contactsnes.solvers import patch_systems, spots, two_grids
+from contactsnes.kernels.krylov import Rows
+from contactsnes.solvers import krylov, patch_systems, spots, two_grids
 from contactsnes.solvers.core_zone import CoreOptions
 from contactsnes.solvers.patch_systems import APART, WITHIN, Patches
 from contactsnes.solvers.ritz import Ritz
 from contactsnes.solvers.snes import create_snes
+from contactsnes.solvers.vectors import create_vector
 
 POINTS = 16, 24
 
@@ -110,6 +113,63 @@ def test_numpy_and_the_library_do_the_same(single):
         made.apply(field)
         found.append([*field, made.softest])
     np.testing.assert_allclose(*found, rtol=1e-4 if single else 1e-10, atol=1e-5 if single else 0)
+
+
+@pytest.mark.skipif(library.reason() is not None, reason="no compiled library")
+@pytest.mark.parametrize("window", [lambda grid: grid.whole, some], ids=["cell", "some nodes"])
+@pytest.mark.parametrize("single", [False, True], ids=["double", "single"])
+def test_what_stands_for_patches_tells_what_was_made(window, single):
+    """A sum of what was made of fields follows from these and from what stood for patches in
+    it."""
+    form = form_on(window)
+    made, random = patches_of(form, tangent_of(form), single), np.random.default_rng(4)
+    fields = random.standard_normal((5, form.nodes)).astype(np.float32)
+    factors, out = random.standard_normal(5), random.standard_normal(form.nodes)
+    expected, stood = out.copy(), []
+    for field, factor in zip(fields, factors):
+        own = field.astype(float)
+        made.apply(own)
+        stood.append(made.library.stands.copy())
+        expected += factor * own
+    made.library.add(Rows(fields).places(), factors, stood, out)
+    np.testing.assert_allclose(out, expected, atol=1e-5)
+
+
+@pytest.mark.skipif(library.reason() is not None, reason="no compiled library")
+@pytest.mark.parametrize("rounds", [False, True], ids=["single", "rounded"])
+@pytest.mark.parametrize("until", [2, np.inf], ids=["taken over", "throughout"])
+def test_cycles_keep_what_stands_for_patches(small, monkeypatch, rounds, until):
+    """A row of a sixteenth of the nodes for each that is preconditioned, also where the zone takes
+    over in the middle of a cycle (asked when it is set up, and after each one): the residual is
+    what was asked for."""
+    monkeypatch.setattr(krylov, "LARGE", 1)
+    monkeypatch.setattr(krylov, "WIDE", 1 if rounds else np.inf)
+    form, kept, asked = form_on(), [], []
+    monkeypatch.setattr(two_grids.CompiledTwoGrids, "softest", property(
+        lambda own: asked.append(0) or (-1.0 if len(asked) > until else 1.0)))
+    snes = create_snes(form, single=True, packed=True)
+    form.linearise(np.zeros(form.size))
+    form.tangent[0, 0] = tangent_of(form, -0.24)
+    snes.setUseEW(False)
+    ksp, matrix = snes.getKSP(), snes.getJacobian()[0]
+    matrix.assemble()
+    ksp.setOperators(matrix)
+    ksp.setTolerances(rtol=3e-4, atol=1e-50)
+    grids = ksp.getPC().getPythonContext()
+    assert isinstance(grids, spots.SpotsPC)
+    make = krylov.Basis.make
+    monkeypatch.setattr(krylov.Basis, "make", lambda own, place: kept.append(own._size)
+                        or make(own, place))
+    right, found = (create_vector(form) for _ in range(2))
+    right.setArray(np.random.default_rng(3).standard_normal(form.size))
+    ksp.solve(right, found)
+    count = ksp.getIterationNumber()
+    assert count > 3 and (grids.is_ours == (until < np.inf))
+    patches = form.nodes // APART ** 2
+    assert kept.count(form.nodes) == count
+    assert kept.count(patches) == min(count, until)
+    left = form.apply_jacobian(found.getArray(), np.empty(form.size)) - right.getArray()
+    assert np.linalg.norm(left) < 3.03e-4 * right.norm()
 
 
 def test_means_of_waves_on_a_uniform_law_are_answered_exactly(exact):
