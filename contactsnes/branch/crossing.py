@@ -78,6 +78,7 @@ def _crossing(system, last, load, beyond, where):
             raise NoWayBack(f"the branch ends within a refused step ({error})") from None
         behind = found.behind and _lower(system, before, with_works(fine(found.behind, BESIDE),
                                                                     found.behind))
+        system.release()  # its memory is that of states until a solve asks for it
         ahead = level.prolonged(found.ahead)
         if behind is not None:
             # Both are as far from the finer grid's own states.

@@ -77,5 +77,6 @@ class Departure:
         coarse, fine = self.contact, self._fine
         moved = coarse.extended(state) - self.origin.displacement.reshape(
             1, *coarse.grid.local_shape)
-        cell = self._cell + resampled(coarse.grid, fine.grid, moved)
+        cell = resampled(coarse.grid, fine.grid, moved)
+        cell += self._cell
         return State(fine.grid.whole, cell.reshape(1, -1), state.means)

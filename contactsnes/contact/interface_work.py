@@ -13,6 +13,8 @@ from .work_along import TWINS, gauss, line_rule, rules
 
 PART = 2 ** 11
 """Nodes whose work is found at a time, some four states and six places each."""
+AT_ONCE = 2 ** 14
+"""The same on straight ways, of which two states are asked, at a place at a time."""
 PLACES = 5
 """Places of a rule on a part of a straight way."""
 SHORT_WAYS = 4
@@ -134,7 +136,7 @@ def _done(contact, first, last, rule, corner=None):
     count, sums = max(first.components, last.components), 0.0
     known = [with_components(state, count) for state in (first, last)]
     for grid, nodes, (start, end), mask in everywhere(contact, known):
-        weights = np.ones(start.shape[1]) if mask is None else mask.astype(float)
+        weights = np.broadcast_to(1.0 if mask is None else mask, start.shape[1])
         weights = weights * grid.weights if nodes.even else weights
         way = (start, end) if corner is None else (start, corner(start, end), end)
         sums = sums + contact.grid.together(
@@ -153,12 +155,15 @@ def _straight(law, known, initial_gap, weights, rule):
     initial_gap, weights : arrays (nodes,)
     rule : as of `_panels`
     """
-    work = 0.0
-    for start, way in ((one, other - one) for one, other in zip(known, known[1:])):
-        for place, share in zip(*rule):
-            gap = start + place * way
-            gap[0] += initial_gap
-            work = work + share * ((law.traction(gap) * way) @ weights)
+    work = np.zeros(len(known[0]))
+    for first in range(0, len(initial_gap), AT_ONCE):
+        part = slice(first, first + AT_ONCE)
+        some, counts = [each[:, part] for each in known], weights[part].astype(float)
+        for start, way in ((one, other - one) for one, other in zip(some, some[1:])):
+            for place, share in zip(*rule):
+                gap = start + place * way
+                gap[0] += initial_gap[part]
+                work += share * ((law.traction(gap) * way) @ counts)
     return work
 
 

@@ -149,6 +149,7 @@ class LoadSteps:
                                           "branch there hardly leads back")
         if not self.system.detached(doubted, last.state, point.state, back):
             return ""
+        del foretold, doubted, back  # whose memory the next one takes
         # A linear solve more is dear, but less so than a step that is refused for nothing.
         ahead = self.system.along_tangent(last, self.leg, here, target - here)
         snapped = (self.system.strayed(ahead, last.state, point.state) > 0.0

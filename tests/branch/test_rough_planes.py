@@ -267,7 +267,7 @@ def test_an_equilibrium_stands_still_on_the_coarser_grid(heights, tmp_path, cont
 
 def test_a_grid_holds_no_form_while_motion_is_on_a_coarser_one(heights, tmp_path, monkeypatch):
     """Nor does what was told of the step that was refused: a form's memory, and that of its SNES,
-    is that of the motion."""
+    is that of the motion, and then of the states that are brought to the finer grid."""
     form_on, follow = Corrector.form_on, jumps.OverdampedMotion.follow
     forms, held = weakref.WeakSet(), []
 
@@ -281,6 +281,13 @@ def test_a_grid_holds_no_form_while_motion_is_on_a_coarser_one(heights, tmp_path
         held.append(len(finer))
         return follow(motion, *given)
 
+    prolonged, given = Departure.prolonged, []
+
+    def brought(level, state):
+        given.append(any(form.contact is level._fine for form in forms))
+        return prolonged(level, state)
+
+    monkeypatch.setattr(Departure, "prolonged", brought)
     monkeypatch.setattr(Corrector, "form_on", made)
     monkeypatch.setattr(jumps.OverdampedMotion, "follow", followed)
     branch = branch_of(heights(128), tmp_path / "heights.npy",
@@ -293,6 +300,7 @@ def test_a_grid_holds_no_form_while_motion_is_on_a_coarser_one(heights, tmp_path
     finally:
         gc.enable()
     assert len(held) > 1 and not any(held)
+    assert len(given) > 2 and not any(given)
 
 
 @pytest.mark.parametrize("norms, reason", [

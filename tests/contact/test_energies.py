@@ -2,6 +2,7 @@
 that close along paths."""
 
 import math
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -52,6 +53,26 @@ def tractions(contact, point):
 
 def ratios(contact):
     return np.array([1.0] + [contact.scene.work_ratio] * (contact.scene.components - 1))
+
+
+def test_works_of_straight_ways_take_little_memory():
+    """Whole planes are asked when their other fields are all there; how many parts a way has, and
+    what the nodes count, is as ever."""
+    contact = Contact(Scene(dimension=2, points=256, period=20.0, geometry="sphere",
+                            normal_maugis=2.0))
+    fields = np.random.default_rng(1).uniform(-0.5, 2.0, (2, 1, contact.grid.size))
+    first, last = (State(contact.widest, field, np.zeros(1)) for field in fields)
+    contact.gap_on(contact.widest)
+    tracemalloc.start()
+    found = straight(contact, first, last, 3)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 1.5 * fields[0].nbytes
+    places, shares = np.polynomial.legendre.leggauss(40)
+    begin, way = fields[0] + contact.initial_gap.reshape(1, -1), fields[1] - fields[0]
+    expected = sum(share * np.sum(contact.law.traction(begin + 0.5 * (1.0 + place) * way) * way)
+                   for place, share in zip(places, 0.5 * contact.grid.node_area * shares))
+    np.testing.assert_allclose(found, [expected], rtol=1e-4)
 
 
 # What is stored

@@ -791,6 +791,26 @@ def test_the_branch_leads_back_from_where_a_step_ends_off_all_predictions(adrift
         assert steps._step(0.2, SECANT).position == 0.2
 
 
+def test_one_tangent_is_held_at_a_time():
+    """That at the end of a doubted step is over when the one at its beginning is asked for, whose
+    memory it takes."""
+    system = Doubting([0.4])
+    system.trusted, alive, asked = -1, [], system.along_tangent
+
+    def along_tangent(*given):
+        alive.append([state() for state in made])
+        state = asked(*given)
+        made.append(weakref.ref(state))
+        return state
+
+    made, system.along_tangent = [], along_tangent
+    steps = NaturalSteps(system, UNIT_LEG, system.points([0.0], [0.2]), PREDICTORS["secant"],
+                         "jump")
+    with pytest.raises(NotConverged, match="released energy"):
+        steps._step(0.2, PREDICTORS["secant"])
+    assert alive == [[], [None]]
+
+
 def test_what_a_step_released_is_asked_where_its_end_was_foretold():
     for jumped in (False, True):
         system = Landing([0.4], jumped=jumped)
