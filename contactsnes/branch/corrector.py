@@ -167,7 +167,7 @@ class Corrector:
         self.form = self.snes = self.arc = None
         if large:
             self.contact.circle.cache_clear()
-        collect()
+        collect(large)
 
     def run(self, form, unknown, most_iterations, snes=None):
         """Run the SNES from an unknown, which the solution overwrites; it and the iterations, or

@@ -1,6 +1,8 @@
 """PETSc's vectors and matrices of a form: in one process, or shared out as the nodes of its grid
 are."""
 
+import ctypes
+
 from petsc4py import PETSc
 
 _first = []
@@ -18,11 +20,21 @@ def communicator(form):
     return form.grid.comm
 
 
-def collect():
+def collect(much=False):
     """Destroy what is not used any more: older petsc4py does so late, and forms hold memory of the
-    problem's size."""
+    problem's size; where that was ``much``, give it back to the system."""
     if _first or PETSc.Sys.isInitialized() and PETSc.COMM_WORLD.size == 1:
         PETSc.garbage_cleanup()
+    if much:
+        _give_back()
+
+
+def _give_back():
+    """Have the C library, where it is GNU's, give the system the memory that lies idle between what
+    is held: arrays of other sizes would be put beside it, not into it."""
+    trim = getattr(ctypes.CDLL(None), "malloc_trim", None)
+    if trim:
+        trim(ctypes.c_size_t(0))
 
 
 def create_vector(form, array=None):
