@@ -43,7 +43,7 @@ LAYERS = {
     "plans of transforms": ("grid.cell:Transform.__init__", "grid.cosines:Cosines.__init__",
                             "kernels.transforms:Real.__init__",
                             "kernels.transforms:Cosines.__init__"),
-    "circles of the preconditioner": ("contact.problem:Contact._circle",
+    "circles of the preconditioner": ("contact.problem:Contact.circle.made",
                                       "kernels.zones:Circle.__init__"),
     "residual": ("contact.forms:DisplacementForm.residual",
                  "contact.forms:DisplacementForm.linearise"),

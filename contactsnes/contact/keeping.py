@@ -13,6 +13,10 @@ class kept:
     Parameters
     ----------
     most : int, answers that are kept
+
+    Attributes
+    ----------
+    made : function (object, ...) that makes them
     """
 
     def __init__(self, most):
@@ -20,7 +24,7 @@ class kept:
 
     def __call__(self, made):
         """The method that a function (object, ...) is."""
-        self._made, self.__doc__ = made, made.__doc__
+        self.made, self.__doc__ = made, made.__doc__
         return self
 
     def __set_name__(self, owner, name):
@@ -33,7 +37,7 @@ class kept:
             return self
         known = vars(thing)
         if self._name not in known:
-            made, own = self._made, weakref.ref(thing)
+            made, own = self.made, weakref.ref(thing)
             known[self._name] = lru_cache(maxsize=self._most)(
                 lambda *given, **named: made(own(), *given, **named))
         return Bound(thing, known[self._name])

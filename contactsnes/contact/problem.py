@@ -177,11 +177,13 @@ class Contact:
 
     @kept(32)
     def circle(self, component, shape, even=False, count=1, signs=None, apart=1):
-        """(transform, C_ii) of a component on a circle of ``shape`` points ``apart`` of the cell's
-        spacings from each other, C scaled to ranges; `Grid.with_mean` at q = 0.
+        """(transform, C_ii) of a component on a circle, C scaled to ranges, `Grid.with_mean` at 0.
 
-        For ``even`` fields the points of each direction are those from the axis outwards; where
-        they are odd in some, their ``signs`` say so. Transforms are of ``count`` fields.
+        Parameters
+        ----------
+        component, shape, apart : int, points in each direction, spacings of the cell between them
+        even, signs : whether points are those from the axis outwards, and fields odd in some
+        count : int, fields of a transform
         """
         grid = self.grid if even else self.grid.of_circle(shape)
         components, key = 1 if component == 0 else 1 + len(shape), (component, component)
