@@ -28,23 +28,21 @@ class kept:
         return self
 
     def __set_name__(self, owner, name):
-        """Learn where answers are."""
-        self._name = f"_{name}_kept"
+        """Learn the method's name."""
+        self._name = name
 
     def __get__(self, thing, owner=None):
-        """The method of an object."""
+        """The method of an object, which from now on finds it without being asked here."""
         if thing is None:
             return self
-        known = vars(thing)
-        if self._name not in known:
-            made, own = self.made, weakref.ref(thing)
-            known[self._name] = lru_cache(maxsize=self._most)(
-                lambda *given, **named: made(own(), *given, **named))
-        return Bound(thing, known[self._name])
+        made, own = self.made, weakref.ref(thing)
+        answers = vars(thing)[self._name] = lru_cache(maxsize=self._most)(
+            lambda *given, **named: made(own(), *given, **named))
+        return First(thing, answers)
 
 
-class Bound:
-    """A method of an object, which it holds.
+class First:
+    """A method the first time that it is asked for: it holds its object, which nobody else may.
 
     Parameters
     ----------

@@ -791,6 +791,7 @@ def test_what_is_made_of_a_contact_does_not_hold_it():
     survey = contact.survey(state)
     assert contact.survey(state) is survey and not np.array_equal(*kernels)
     contact.site(contact.widest), contact.circle(0, contact.grid.shape)
+    assert np.array_equal(contact_of(2).gap_on(contact.widest), contact.gap_on(contact.widest))
     held = [weakref.ref(thing) for thing in (contact, contact.coarse(0.5), *operators)]
     gc.disable()
     try:
