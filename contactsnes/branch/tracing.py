@@ -16,6 +16,7 @@ from ..continuation.points import Direction, NotConverged
 from ..dynamics import kicks
 from ..solvers import callbacks
 from ..solvers.capabilities import asked
+from ..solvers.linear import exact_jacobian
 from ..solvers.precision import pays
 from ..solvers.ritz import many
 from ..solvers.snes import KSP_REASONS, WARM, create_snes, idle, kept
@@ -259,10 +260,7 @@ class Tracer(Corrector, Neighbours, Ends):
         the form of a SNES, by its KSP, in memory of the SNES, to a residual that is a part
         ``tolerance`` of the right side and, where that is much of the answer, of that."""
         ksp = kept(snes.getKSP())
-        # The second of its matrices is ours, too, where the user has products by finite differences
-        # (-snes_mf_operator).
-        matrix = kept(snes.getJacobian()[1])
-        matrix.assemble()
+        matrix = exact_jacobian(snes, form)
         tolerances = ksp.getTolerances()
         forcing = snes.getUseEW()
         kind = ksp.getType()

@@ -1,4 +1,5 @@
-"""PETSc's linear solver around the Jacobian of a form, for motions that take no nonlinear one."""
+"""PETSc's linear solver around the Jacobian of a form, for motions that take no nonlinear one; and
+the Jacobian for linear solves between those of a nonlinear one."""
 
 from petsc4py import PETSc
 
@@ -33,3 +34,22 @@ def create_ksp(form, prefix, precision):
     ksp.setOperators(matrix)
     callbacks.set_from_options(ksp)
     return kept(ksp), kept(matrix)
+
+
+def exact_jacobian(snes, form):
+    """The form's own Jacobian, at its last linearisation, for a linear solve between two of a SNES.
+
+    That is the second matrix of the SNES where products are differences of F (-snes_mf_operator).
+    Where there are but these (-snes_mf) it is made: they are of the state that the SNES has left,
+    and of an F whose memory such a solve fills.
+
+    Parameters
+    ----------
+    snes : SNES of the form
+    form : of the equations
+    """
+    matrix = kept(snes.getJacobian()[1])
+    if matrix.getType() == PETSc.Mat.Type.MFFD:
+        return create_operator(form, Jacobian(form))
+    matrix.assemble()
+    return matrix

@@ -592,6 +592,20 @@ def test_the_tangent_is_a_tangent(options, form, controls, load, rate):
     assert wrong[0] / wrong[1] > 3.2 or (form == "force" and wrong[1] < 0.05 * moved)
 
 
+@pytest.mark.parametrize("differences", ["snes_mf", "snes_mf_operator"])
+def test_the_tangent_is_that_of_the_exact_jacobian_where_products_are_differences(options,
+                                                                                  differences):
+    """These are of what the SNES has in its vectors, which the linear solve for a tangent fills."""
+    _, first = solved(4.0)
+    leg = Leg(1, (DISPLACEMENT,), np.array([4.0]), np.array([5.0]), 0, 0.1, 0.1, 1e-6)
+    exact = corrector().along_tangent(first, leg, 0.0, 0.1).displacement - first.state.displacement
+    options(**{differences: "", "pc_type": "none", "snes_atol": "1e-6"})
+    made = corrector()
+    made.solve(first.state, (DISPLACEMENT,), np.array([4.1]), 200)
+    moved = made.along_tangent(first, leg, 0.0, 0.1).displacement - first.state.displacement
+    assert np.linalg.norm(moved - exact) < 0.01 * np.linalg.norm(exact)
+
+
 @pytest.mark.parametrize("law", ("modified", "xu_needleman"))
 def test_the_tangent_of_a_thick_layer_is_that_of_its_contact(law):
     """A layer that gives way by a thousand times what its contact does leaves little of the right
