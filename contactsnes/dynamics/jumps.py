@@ -106,13 +106,25 @@ def left(system, state, controls, load, where, origin=None):
     if part >= NEARER * SHORT or all(potential(contact, one) is not None
                                      for one in (origin, point.state)):
         return point
-    motion, way = started(system, between(contact, origin, state, part), controls, load, origin,
-                          read(MotionOptions))
     with suppress(Leaving, Unsettled):
-        motion.follow(RESTS[0], SLOWED)
-        if states.missed(contact, motion.state(), point.state) < NEARER * jump:
-            point = summed(contact, motion, way, point)
+        point = _anew(system, between(contact, origin, state, part), origin, point, NEARER * jump)
+    collect()  # as of `settle`
     return point
+
+
+def _anew(system, state, origin, point, near):
+    """The point with the works of a second motion to it, if that comes as ``near`` as that, ranges
+    of the law.
+
+    Parameters
+    ----------
+    system, state, origin : Corrector, State, and as of `settle`
+    point, near : Point, float
+    """
+    motion, way = started(system, state, point.controls, point.load, origin, read(MotionOptions))
+    motion.follow(RESTS[0], SLOWED)
+    close = states.missed(system.contact, motion.state(), point.state) < near
+    return summed(system.contact, motion, way, point) if close else point
 
 
 def _unfollowed(system, state, controls, load, where, failure):
