@@ -16,10 +16,8 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from petsc4py import PETSc
 
 from ..contact import states
-from ..contact.balance import TOLERANCE
 from ..contact.isolated import IsolatedContact
 from ..contact.observables import Measurement, Observable
 from ..contact.problem import FORCE, Contact
@@ -30,6 +28,7 @@ from ..interface import shapes
 from ..options.fields import as_text
 from ..scene.resolution import PINNING, resolution
 from ..scene.settings import Form, tangential_legs
+from ..solvers.capabilities import tolerated
 from .coarser import refined
 from .corrector import Corrector
 from .grid_choice import next_grid, refinement
@@ -75,9 +74,8 @@ class Reference(Corrector):
     prefix = "error_"
 
     def __init__(self, contact, window):
-        wanted = PETSc.Options().getReal("snes_atol", TOLERANCE)
         super().__init__(contact, Form(window=window, linear_precision="double"),
-                         tolerance=max(1e-12, min(1e-10, 1e-2 * wanted)))
+                         tolerance=max(1e-12, min(1e-10, 1e-2 * tolerated())))
 
 
 class Estimator:

@@ -1,6 +1,5 @@
 """The corrector: from a guess, controls and loads to a converged point, whatever the method."""
 
-import math
 import time
 
 import numpy as np
@@ -8,36 +7,23 @@ import numpy as np
 from ..contact import states
 from ..contact.balance import Balance, Imbalance
 from ..contact.force_form import FORMS
-from ..contact.problem import APPROACH, FORCE
+from ..contact.problem import APPROACH
 from ..contact.scattered import boxed, on_nodes
 from ..contact.symmetry import Symmetry
-from ..continuation.points import NotConverged, Point
+from ..continuation.points import NotConverged
 from ..dynamics.relaxing import nearer
 from ..grid.active import Nodes
 from ..grid.boxes import in_words
 from ..scene.load import units
-from ..solvers.capabilities import asked, of_snes
-from ..solvers.krylov import LARGE
+from ..solvers.capabilities import asked, of_snes, tolerated
+from ..solvers.krylov import large
 from ..solvers.patience import Patience
 from ..solvers.precision import PATIENCE, pays, trusted
 from ..solvers.regularised import step_from_afar
 from ..solvers.ritz import stirred
 from ..solvers.snes import KSP_REASONS, SNES_REASONS, WARM, create_snes, end_of, ended_early, solve
 from ..solvers.vectors import collect
-
-
-def refuse_unknown(grid, *starts):
-    """NotConverged where what a solve begins with, arrays, holds infinite values or NaN: so does
-    its sum."""
-    if grid.any(not math.isfinite(sum([np.add.reduce(start, axis=None) for start in starts]))):
-        raise NotConverged("the solve cannot begin: its start holds NaN or infinite values")
-
-
-def finite(state):
-    """A state from which a solve may begin, as of `refuse_unknown`."""
-    refuse_unknown(state.window.grid, state.once, state.means)
-    return state
-
+from .states_of_solves import balanced_point, finite
 
 TURNED = (f"a linear solve is slow: it went on in double precision after {PATIENCE} iterations "
           "(-contact_linear_precision)")
@@ -74,6 +60,11 @@ class Corrector:
         self.balance, self._units = Balance(contact), units(contact.scene)
         self._balanced = None, None  # the last state that was asked for its imbalance, and that
         self._accounted = self._spent_so_far()
+
+    @property
+    def allowed(self):
+        """Residual norm that points have at most, whichever SNES finds them."""
+        return tolerated(self.prefix) if self.tolerance is None else self.tolerance
 
     def _spent_so_far(self):
         """Everything spent since the beginning."""
@@ -113,12 +104,13 @@ class Corrector:
             unknown = stirred(form, form.packed(guess), self.certified)
             unknown, iterations = self.run(form, unknown, most_iterations)
             state = form.state(unknown)
-            if not self.covers(form, state):
+            if not self.covers(form, state, self.snes):
                 guess = self.fitted(state, afresh=True)
                 continue
             unknown, state, imbalance = self.balanced(form, unknown, state)
             if imbalance is not None:
-                return self._point(form, state, imbalance, iterations, form.ritz.smallest)
+                return self._point(form, state, imbalance, iterations, form.ritz.smallest,
+                                   self.snes)
             guess = state
         raise NotConverged("the window kept growing: try -contact_window off")
 
@@ -139,7 +131,19 @@ class Corrector:
         return self.symmetry.centred(state)
 
     def form_on(self, guess, controls):
-        """The form on the guess's window, kept with its SNES while window and controls stay."""
+        """The form on the guess's window, as of `bare_form`, with its SNES, which is kept with
+        it."""
+        form = self.bare_form(guess, controls)
+        if self.snes is None:
+            self.make_room(form)
+            self.snes = create_snes(form, self.prefix, self.tolerance,
+                                    pays(form, self.settings.linear_precision))
+            self.patience.watch(self.snes, self.contact)
+        return form
+
+    def bare_form(self, guess, controls):
+        """The form on the guess's window, kept while window and controls stay; of a new one there
+        is no SNES yet."""
         kept = self.form
         kind = FORMS[self.settings.form]
         kind = kind if kind.whole_cell else self.symmetry.form(len(controls))
@@ -153,21 +157,25 @@ class Corrector:
             self.release()  # the old one's memory is the new one's
             self.form = kind(self.contact, *(() if kind.whole_cell else (guess.window,)),
                              controls, *([parities, guess.half] if parities else []))
-            self.snes = create_snes(self.form, self.prefix, self.tolerance,
-                                    pays(self.form, self.settings.linear_precision))
-            self.patience.watch(self.snes, self.contact)
         if kind.whole_cell:
             self.form.even = self.symmetry.plain(len(controls))
         return self.form
 
+    def make_room(self, form):
+        """Give back the SNES of a large form, with the arc length or without: there is one at a
+        time, since each takes as much memory as the form."""
+        if large(form):
+            self.snes = self.arc = None
+            collect(True)
+
     def release(self):
         """Give back the form and its SNES, whose memory others take, until a solve asks for
         them."""
-        large = self.form is not None and self.form.size >= LARGE
+        much = self.form is not None and large(self.form)
         self.form = self.snes = self.arc = None
-        if large:
+        if much:
             self.contact.circle.cache_clear()
-        collect(large)
+        collect(much)
 
     def run(self, form, unknown, most_iterations, snes=None):
         """Run the SNES from an unknown, which the solution overwrites; it and the iterations, or
@@ -260,40 +268,29 @@ class Corrector:
                                                    self._ended)
         return self._balanced[1]
 
-    def covers(self, form, state):
-        """Whether every node outside the window of a state that a form led to is certainly out of
-        the law's range: the residual of some nodes tells of the whole cell."""
+    def covers(self, form, state, snes):
+        """Whether every node outside the window of a state that a form and a SNES led to is
+        certainly out of the law's range: the residual of some nodes tells of the whole cell."""
         some = isinstance(state.window, Nodes)
-        closest = self._imbalance(form, state, self.snes).closest if some else None
+        closest = self._imbalance(form, state, snes).closest if some else None
         return states.covers(self.contact, state, closest)
 
-    def _point(self, form, state, imbalance, iterations, softest):
+    def _point(self, form, state, imbalance, iterations, softest, snes):
         """The Point of a state that passes the test of convergence; NotConverged for one that does
         not.
 
         Parameters
         ----------
-        form, state, imbalance, iterations, softest : what was solved and found, and how
+        form, state, imbalance, iterations, softest, snes : what was solved and found, and how
         """
-        contact, components = self.contact, form.components
-        survey, tolerance = contact.survey(state), self.snes.getTolerances()[1]
-        if not imbalance.norm <= tolerance:
+        contact, allowed = self.contact, self.allowed
+        if not imbalance.norm <= allowed:
             raise NotConverged(f"the solver stopped at residual_norm {imbalance.norm:.2e}, above "
-                               f"-snes_atol {tolerance:g}{ended_early(self.snes)}")
-        if survey.closest < contact.law.deepest:
-            raise NotConverged(f"a gap of {survey.closest:.3g} delta_n lies below "
+                               f"-snes_atol {allowed:g}{ended_early(snes)}")
+        closest = contact.survey(state).closest
+        if closest < contact.law.deepest:
+            raise NotConverged(f"a gap of {closest:.3g} delta_n lies below "
                                f"{contact.law.deepest:g}, where the law is only "
                                "a continuation")
-        factor, ranges = contact.load_factor(components), contact.ranges[:components]
-        forces = factor * survey.total
-        far = (state.means + contact.rigid_compliance(components) * survey.total
-               / contact.grid.size)
-        displacements = contact.signs(components) * far / ranges + contact.datum
-        for i, control in enumerate(form.controls):
-            if control != APPROACH:
-                (forces if control == FORCE else displacements)[i] = form.load[i]
-        in_contact = survey.touching > 0
-        sliding = components > 1 and in_contact and survey.sticking == 0
-        return Point(state, form.controls, form.load.copy(), displacements, forces, in_contact,
-                     sliding, imbalance.norm, largest_residual=imbalance.largest, softest=softest,
-                     spent={"last_iterations": iterations}, units=self._units)
+        return balanced_point(contact, form, state, imbalance, units=self._units, softest=softest,
+                              spent={"last_iterations": iterations})

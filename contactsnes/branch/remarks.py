@@ -50,10 +50,9 @@ class Remarks:
         """Say once that a node is much worse balanced than the mean over the window's, which may be
         far more than the contact's."""
         # nothing is solved for further events at a point of an earlier run
-        if self._diluted or self.corrector.snes is None:
+        if self._diluted or self.corrector.form is None:
             return
-        tolerance = self.corrector.snes.getTolerances()[1]
-        if point.largest_residual > DILUTED * tolerance:
+        if point.largest_residual > DILUTED * self.corrector.allowed:
             self._diluted = True
             self._log("a node where the law acts is out of balance by "
                       f"{point.largest_residual:.1e} ranges (largest_residual), at a "

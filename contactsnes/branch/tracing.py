@@ -21,9 +21,10 @@ from ..solvers.precision import pays
 from ..solvers.ritz import many
 from ..solvers.snes import KSP_REASONS, WARM, create_snes, idle, kept
 from . import coarse_motion, crossing
-from .corrector import Corrector, finite, refuse_unknown
+from .corrector import Corrector
 from .ends import Ends
 from .neighbours import Neighbours
+from .states_of_solves import finite, refuse_unknown
 
 PART = 2 ** 14
 """Nodes that are moved at a time."""
@@ -100,13 +101,13 @@ class Tracer(Corrector, Neighbours, Ends):
                 unknown, iterations = self.run(arc, start, WARM, snes)
             arc.set_position(arc.position(unknown))
             state = form.state(arc.inner(unknown))
-            if not self.covers(form, state):
+            if not self.covers(form, state, snes):
                 guess, position = self.fitted(state, afresh=True), arc.position(unknown)
                 continue
             unknown, state, imbalance = self.balanced(form, unknown, state, arc, snes)
             if imbalance is not None:
                 arc.set_position(arc.position(unknown))
-                point = self._point(form, state, imbalance, iterations, arc.ritz.smallest)
+                point = self._point(form, state, imbalance, iterations, arc.ritz.smallest, snes)
                 return point.changed(leg=leg.number, position=float(arc.position(unknown)))
             guess, position = state, arc.position(unknown)
         raise NotConverged("the window kept growing: try -contact_window off")
@@ -235,15 +236,19 @@ class Tracer(Corrector, Neighbours, Ends):
         near a chord."""
         own = asked().has_tangent
         state = self.fitted(guess) if own else states.fitted(self.contact, guess)
-        form = (self.form_on(state, leg.controls) if own
+        form = (self.bare_form(state, leg.controls) if own
                 else DisplacementForm(self.contact, state.window, leg.controls))
         none = np.zeros(len(form.forced))
-        first, last = (form.pack(states.onto(end, form.window), none) for end in chord)
         row, way = states.chord(self.contact, *chord, form.window)
         row = form.pack(row, none)
-        row *= border[0] * way / max(form.grid.inner(row, last - first), 1e-300)
+        first, change = (form.pack(states.onto(end, form.window), none) for end in chord)
+        change -= first
+        row *= border[0] * way / max(form.grid.inner(row, change), 1e-300)
+        del change  # its memory is the solver's
         aim = leg.start, leg.direction, first, row, length, border[1]
         if self.arc is None or self.arc[0].form is not form:
+            if own:
+                self.make_room(form)
             arc = ArcLength(form, *aim)
             quick = pays(form, self.settings.linear_precision)
             self.arc = arc, create_snes(arc, "" if own else "arc_",

@@ -209,7 +209,8 @@ def chord(contact, first, last, window):
         np.multiply(change, near, out=change)
     count = len(change) * (contact.grid.count(near) or window.total)
     length = float(np.sqrt(contact.grid.inner(change, change) / count))
-    return change / max(count * length, 1e-300), length
+    change /= max(count * length, 1e-300)
+    return change, length
 
 
 def chord_length(contact, first, last):

@@ -26,6 +26,9 @@ plateau."""
 
 MOST = 60
 """Steps of arc length that are tried."""
+BEHIND = 5
+"""Points behind a step along the arc that are kept: each has a state, and what the load did further
+back tells nothing of a fold ahead."""
 
 
 class FoldSearch:
@@ -63,7 +66,7 @@ class FoldSearch:
                 length = self._shorter(length, first, f"{error}; following the branch by arc "
                                        f"length failed too, so that no fold was located: {second}")
                 continue
-            trail.append((point.position, point))
+            trail = [*trail[-BEHIND:], (point.position, point)]
             slope = self._slopes(trail[-3:])[1]
             steady = slope[2] > STEADY * slope[1]
             if slope[2] <= 0.0:
@@ -270,8 +273,9 @@ class FoldSearch:
                                   point.state) < 0.5 * self.system.missed(trail[-2][1].state,
                                                                           point.state)
 
-    def _bracketed(self, trail):
-        """The trail, gone on along the arc until the load falls, or for eight steps."""
+    def _bracketed(self, trail, behind=None):
+        """The trail, gone on along the arc until the load falls, or for eight steps; of points
+        before the last one all, or that many are kept."""
         length = 0.5 * self._slopes(trail[-3:])[0][2]
         for _ in range(8):
             if trail[-1][0] < trail[-2][0]:
@@ -281,5 +285,5 @@ class FoldSearch:
             except NotConverged:
                 length *= 0.25
                 continue
-            trail = [*trail, (ahead.position, ahead)]
+            trail = [*trail, (ahead.position, ahead)][-behind - 1 if behind else None:]
         return trail

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from . import departures
-from .folds import SHARE, SHORT, FoldSearch
+from .folds import BEHIND, SHARE, SHORT, FoldSearch
 from .points import NotConverged, lagrange_weights
 
 BRACKET = 0.25
@@ -205,7 +205,7 @@ class TurnSearch(FoldSearch):
     def _locate(self, trail):
         """Fold, state beyond it, and trail up to it, as of `FoldSearch`; the first two are None
         where the load rises on."""
-        trail = self._bracketed(trail)
+        trail = self._bracketed(trail, BEHIND)
         if trail[-1][0] >= trail[-2][0]:
             return None, None, trail
         if self._returns(trail):

@@ -1,4 +1,5 @@
-"""What a type of SNES can do: the one home of all that depends on which method solves.
+"""What a type of SNES can do, the one home of all that depends on which method solves, and what is
+asked of it.
 
 PETSc's own types are in `TYPES`; a Python type says it by a class attribute ``capabilities``, an
 own one of a user's, or PETSc's shell, which say nothing, are taken to be able of nothing. Methods
@@ -10,6 +11,7 @@ from functools import cache
 from importlib import import_module
 from typing import NamedTuple
 
+from ..contact.balance import TOLERANCE
 from ..contact.force_form import FORMS
 
 
@@ -71,6 +73,13 @@ def asked(prefix=""):
     database = PETSc.Options(prefix)
     return of(database.getString("snes_type", "newtonls"),
               database.getString("snes_python_type", ""))
+
+
+def tolerated(prefix=""):
+    """The norm of a residual that the user asks for, -snes_atol under a prefix of options."""
+    from petsc4py import PETSc
+
+    return PETSc.Options(prefix).getReal("snes_atol", TOLERANCE)
 
 
 def of_snes(snes):

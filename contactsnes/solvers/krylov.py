@@ -24,6 +24,11 @@ LARGE = 2 ** 16
 little memory, and the way into Python would take time."""
 
 
+def large(form):
+    """Whether a form, which processes may share out, has many unknowns."""
+    return form.components * form.window.total >= LARGE
+
+
 def set_defaults(ksp, form, packed):
     """Give a KSP our defaults: PETSc's flexible GMRES, or the one below where the solves are those
     of a large plane and their vectors may be in single precision.
@@ -34,8 +39,7 @@ def set_defaults(ksp, form, packed):
     form : of the equations
     packed : bool, whether vectors may be in single precision
     """
-    if (packed and len(form.window.grid.shape) > 1
-        and form.components * form.window.total >= LARGE):
+    if packed and len(form.window.grid.shape) > 1 and large(form):
         ksp.setType("python")
         ksp.setPythonContext(GMRES(form.grid, not form.contact.kernels.compiled,
                                    in_patches(form)))

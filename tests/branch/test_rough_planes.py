@@ -28,7 +28,9 @@ from contactsnes.continuation.points import (  # noqa: E402
 from contactsnes.dynamics import jumps  # noqa: E402
 from contactsnes.grid import clusters  # noqa: E402
 from contactsnes.scene.settings import Form, Steps  # noqa: E402
+from contactsnes.solvers import krylov  # noqa: E402
 from contactsnes.solvers.patience import FURTHEST, Patience, first_forcing  # noqa: E402
+from contactsnes.solvers.snes import COLD  # noqa: E402
 
 PERIOD, WAVES, SLOPE, SEED = 12.0, (3.0, 0.75), 2.0, 0
 START, END = -0.3, 0.0
@@ -173,6 +175,29 @@ def test_solves_beside_a_state_and_along_the_arc_are_in_single_precision(heights
     assert states.missed(system.contact, *(each.state for each in found), largest=True) < 0.01
 
 
+def test_of_large_forms_one_solver_at_a_time_has_memory(heights, tmp_path, monkeypatch):
+    """That along the arc, or that at a load; of small ones both stay. They lead to the same
+    points."""
+    found = {}
+    for size in (1000, 10 ** 6):
+        monkeypatch.setattr(krylov, "LARGE", size)
+        system = branch_of(heights(64), tmp_path / "heights.npy").corrector
+        leg = Leg(1, (DISPLACEMENT,), np.array([0.3]), np.array([1.3]), 0, 0.1, 0.1, 1e-6)
+        begin = system.solve(states.undeformed(system.contact, leg.controls, [0.3]), leg.controls,
+                             leg.load(0.0), COLD)
+        ahead = system.along_tangent(begin, leg, 0.0, 0.01)
+        chord = begin.state, ahead
+        passed = system.solve_arc(chord, system.chord_length(*chord), ahead, 0.01, leg)
+        assert (system.snes is None) is (size == 1000) and system.arc is not None
+        behind = system.solve(passed.state, leg.controls, leg.load(passed.position))
+        assert (system.arc is None) is (size == 1000) and system.snes is not None
+        found[size] = begin, passed, behind
+    for few, many in zip(*found.values()):
+        assert states.missed(system.contact, few.state, many.state, largest=True) < 1e-6
+        assert few.forces == pytest.approx(many.forces, abs=1e-6)
+    assert passed.forces == pytest.approx(behind.forces, abs=1e-6)
+
+
 def test_a_chord_is_judged_by_its_own_residual(heights, tmp_path):
     """On a grid that leads to a finer one, whatever the last solve at a load left."""
     branch = branch_of(heights(64), tmp_path / "heights.npy")
@@ -268,11 +293,11 @@ def test_an_equilibrium_stands_still_on_the_coarser_grid(heights, tmp_path, cont
 def test_a_grid_holds_no_form_while_motion_is_on_a_coarser_one(heights, tmp_path, monkeypatch):
     """Nor does what was told of the step that was refused: a form's memory, and that of its SNES,
     is that of the motion, and then of the states that are brought to the finer grid."""
-    form_on, follow = Corrector.form_on, jumps.OverdampedMotion.follow
+    bare_form, follow = Corrector.bare_form, jumps.OverdampedMotion.follow
     forms, held = weakref.WeakSet(), []
 
     def made(system, *given):
-        form = form_on(system, *given)
+        form = bare_form(system, *given)
         forms.add(form)
         return form
 
@@ -288,7 +313,7 @@ def test_a_grid_holds_no_form_while_motion_is_on_a_coarser_one(heights, tmp_path
         return prolonged(level, state)
 
     monkeypatch.setattr(Departure, "prolonged", brought)
-    monkeypatch.setattr(Corrector, "form_on", made)
+    monkeypatch.setattr(Corrector, "bare_form", made)
     monkeypatch.setattr(jumps.OverdampedMotion, "follow", followed)
     branch = branch_of(heights(128), tmp_path / "heights.npy",
                        path=f"normal_displacement={END}",

@@ -1,11 +1,15 @@
 """Whether the load turns between two points of a branch, on problems whose folds are known."""
 
+import gc
+import weakref
+
 import numpy as np
 import pytest
 from test_continuation import UNIT_LEG, System, cubic, curve, cusp
 
+from contactsnes.continuation.folds import BEHIND, FoldSearch
 from contactsnes.continuation.points import Leg, NotConverged
-from contactsnes.continuation.turning import sides, way
+from contactsnes.continuation.turning import TurnSearch, sides, way
 
 
 def followed(problem, first, last, loads=(-1.0, 1.0)):
@@ -121,3 +125,33 @@ def test_a_solve_behind_a_fold_begins_at_a_point_of_the_way_if_another_fails():
     system.__class__, system.picky = Failing, True
     before, behind = sides(system, leg, known)
     assert behind.position == before.position and behind.state[0] > np.sqrt(0.3)
+
+
+@pytest.mark.parametrize("kind, more", [(TurnSearch, 0), (FoldSearch, 8)])
+def test_a_search_keeps_a_few_states_however_long_it_takes(kind, more):
+    """Each is as large as the problem; on the way to the fold of a cubic at -1/sqrt(3), in steps
+    that stay short, since solves are hard."""
+    states, alive = [], []
+
+    class Counting(System):
+        def solve_arc(self, *given, **settings):
+            point = super().solve_arc(*given, **settings)
+            del self.used[:], self.guesses[:]  # what this system keeps itself
+            states.append(weakref.ref(point.state))
+            alive.append(sum(state() is not None for state in states))
+            return point.changed(spent={**point.spent, "last_iterations": 9})
+
+    system = Counting(cubic())
+    leg = Leg(1, ("displacement",), np.array([-1.0]), np.array([1.0]), 0, 0.025, 0.05, 1e-6)
+    history = []
+    for u in (-0.601, -0.6):
+        place = 0.5 * (u ** 3 - u + 1.0)
+        point = system.solve(np.array([u]), leg.controls, leg.load(place))
+        history.append((place, point.changed(position=place)))
+    gc.disable()
+    try:
+        fold, beyond, _ = kind(system, leg, history).search(NotConverged("a step"))
+    finally:
+        gc.enable()
+    assert fold.state[0] == pytest.approx(-1.0 / np.sqrt(3.0), abs=0.01) and beyond[0] > -0.5774
+    assert len(alive) > 2 * BEHIND + more >= max(alive)

@@ -1,0 +1,44 @@
+"""What a solve may begin with, and the point that its end is."""
+
+import math
+
+import numpy as np
+
+from ..contact.problem import APPROACH, FORCE
+from ..continuation.points import NotConverged, Point
+
+
+def refuse_unknown(grid, *starts):
+    """NotConverged where what a solve begins with, arrays, holds infinite values or NaN: so does
+    its sum."""
+    if grid.any(not math.isfinite(sum([np.add.reduce(start, axis=None) for start in starts]))):
+        raise NotConverged("the solve cannot begin: its start holds NaN or infinite values")
+
+
+def finite(state):
+    """A state from which a solve may begin, as of `refuse_unknown`."""
+    refuse_unknown(state.window.grid, state.once, state.means)
+    return state
+
+
+def balanced_point(contact, form, state, imbalance, **more):
+    """The Point of a state that balances.
+
+    Parameters
+    ----------
+    contact, form, state : Contact, the form whose load is the state's, State
+    imbalance : Imbalance
+    more : further attributes of the point
+    """
+    components, survey = form.components, contact.survey(state)
+    factor, ranges = contact.load_factor(components), contact.ranges[:components]
+    forces = factor * survey.total
+    far = state.means + contact.rigid_compliance(components) * survey.total / contact.grid.size
+    displacements = contact.signs(components) * far / ranges + contact.datum
+    for i, control in enumerate(form.controls):
+        if control != APPROACH:
+            (forces if control == FORCE else displacements)[i] = form.load[i]
+    in_contact = survey.touching > 0
+    sliding = components > 1 and in_contact and survey.sticking == 0
+    return Point(state, form.controls, form.load.copy(), displacements, forces, in_contact, sliding,
+                 imbalance.norm, largest_residual=imbalance.largest, **more)
