@@ -26,6 +26,9 @@ from ..system.processes import world
 from . import own_solvers
 from .starting import begin_petsc, refuse_differences, refuse_unshared
 
+COMPARED = (".csv", ".h5", ".png")
+"""Endings of the files of a comparison."""
+
 
 class Settings(NamedTuple):
     """All that options say about a run, in the order of `OPTION_CLASSES`."""
@@ -149,11 +152,14 @@ def start_comparison(arguments, log):
 
 def _check_files(stem, overwrite):
     """InputError unless a comparison can write its files."""
+    if stem.suffix in COMPARED:
+        raise InputError(f"-compare_file is '{stem}': name it without its ending, the files get "
+                         f"{', '.join(COMPARED)}")
     if not stem.parent.is_dir() or not os.access(stem.parent, os.W_OK):
         raise InputError(f"-compare_file is '{stem}': its folder does not "
                          "exist or cannot be written; name another")
     try:
-        there = [path for path in (Path(f"{stem}{suffix}") for suffix in (".csv", ".h5", ".png"))
+        there = [path for path in (Path(f"{stem}{suffix}") for suffix in COMPARED)
                  if path.exists()]
     except OSError as error:
         raise InputError(f"-compare_file is '{stem}', which cannot be the "

@@ -69,7 +69,7 @@ class TableOptions(Options):
                          choices=("csv", "parquet"))
     units: bool = option(False, "units in the heading of CSV: normal_force [N] (Parquet has them "
                          "in its metadata)")
-    output: str = option("", "file of the table",
+    output: str = option("", "file of the table: .csv, .txt or .dat; .parquet or .pq",
                          default_text="CSV: standard output; Parquet: beside the archive")
 
     @property
@@ -87,7 +87,8 @@ class ExportOptions(_OfPoints):
     points: str = option("", "points, from 0 or from the end: 0,5,-1",
                          default_text="all that have fields")
     precision: str = option("single", "of the fields in the file", choices=("single", "double"))
-    output: str = option("", "the file", default_text="RUN.vtkhdf beside the archive")
+    output: str = option("", "the file: .vtkhdf or .hdf",
+                         default_text="RUN.vtkhdf beside the archive")
 
 
 @dataclass(frozen=True)
@@ -103,7 +104,8 @@ class MovieOptions(Options):
                          minimum=2, maximum=10000)
     width: float = option(16.0, "width of a picture", "cm", minimum=4, maximum=60)
     style: str = option("", STYLES, default_text="a journal's column")
-    output: str = option("", "the file", default_text="RUN.mp4 or RUN.gif beside the archive")
+    output: str = option("", "the file: .mp4 or .gif",
+                         default_text="RUN.mp4 or RUN.gif beside the archive")
 
 
 @dataclass(frozen=True)
@@ -116,7 +118,8 @@ class ReportOptions(Options):
                          minimum=1, maximum=1000)
     nodes: int = option(160, "most nodes of maps in each direction; profiles of lines have up to 8 "
                         "times as many", minimum=16, maximum=4096)
-    output: str = option("", "the file", default_text="RUN.html beside the archive")
+    output: str = option("", "the file: .html or .htm",
+                         default_text="RUN.html beside the archive")
 
 
 CLASSES = (PlotOptions, TableOptions, ExportOptions, MovieOptions, ReportOptions)

@@ -136,6 +136,20 @@ def check_output(path):
                          "another")
 
 
+def check_ending(path, what, endings):
+    """InputError where the ending of a path that -output names is that of another kind of file.
+
+    Parameters
+    ----------
+    path : path of the file; one without an ending may hold anything
+    what : str, what is in the file, as the error calls it
+    endings : tuple of str, those of such files, in lower case
+    """
+    if path.suffix and path.suffix.lower() not in endings:
+        raise InputError(f"-output is '{path}': the name of {what} ends in "
+                         f"{' or '.join(endings)}")
+
+
 def check_folder(path):
     """Raise if no file can be made beside `path`."""
     if not path.parent.is_dir():

@@ -122,10 +122,11 @@ def replaced(path, write):
     path : path of the file
     write : function of the path that it writes to
     """
-    path = Path(path).resolve()
+    path = Path(path)
     if path.exists() and not path.is_file():
         write(path)
         return
+    path = path.resolve()  # (a pipe behind /dev/stdout would have no name then)
     partial = path.with_name(f"{path.stem}.partial{path.suffix}")
     try:
         write(partial)

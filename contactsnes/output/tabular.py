@@ -12,7 +12,7 @@ from ..scene.scene import Scene
 from . import resuming
 from .columns import instead
 from .extras import extra
-from .files import ArchiveError, check_output
+from .files import ArchiveError, check_ending, check_output
 from .reading import read
 from .tables import replaced
 
@@ -21,6 +21,9 @@ OWN = ("archive", "point", "complete")
 whether its path is done (1 or 0)."""
 
 SCENE = "scene_"
+
+ENDINGS = {"csv": (".csv", ".txt", ".dat"), "parquet": (".parquet", ".pq")}
+"""Kind of file -> endings of its names."""
 
 ALWAYS_OTHERS = ("archive_", "scene_")
 """Prefixes of options that tell no runs apart: files always differ, and what a scene is, its
@@ -204,9 +207,11 @@ def write_table(paths, table, asked):
     if not asked.output and len(paths) > 1:
         raise InputError("-format is 'parquet' for several archives without a file: name it by "
                          "-output")
-    if path.suffix == {"csv": ".parquet", "parquet": ".csv"}[asked.format]:
+    other, = (kind for kind in ENDINGS if kind != asked.format)
+    if path.suffix.lower() in ENDINGS[other]:
         raise InputError(f"-output is '{path}', but -format is '{asked.format}': name another, or "
-                         "give the other format")
+                         f"give -format {other}")
+    check_ending(path, f"a table in {asked.format.upper()}", ENDINGS[asked.format])
     check_output(path)
     if asked.format == "csv":
         text = as_csv(table, asked.units)

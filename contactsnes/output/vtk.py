@@ -8,7 +8,7 @@ import numpy as np
 
 from ..system.devices import Lenient
 from ..system.hdf5 import h5py
-from .files import ArchiveError, check_output
+from .files import ArchiveError, check_ending, check_output
 from .reading import read
 
 VERSION = (2, 2)
@@ -37,9 +37,10 @@ def write_vtk(path, asked):
     record = read(path)
     points = _points(record, asked.chosen)
     target = Path(asked.output) if asked.output else Path(path).with_suffix(ENDING)
+    check_ending(target, "a file for ParaView", (ENDING, ".hdf"))
     check_output(target)
     # ParaView knows the format by the ending.
-    target = target if target.suffix in (ENDING, ".hdf") else target.with_name(target.name + ENDING)
+    target = target if target.suffix else target.with_name(target.name + ENDING)
     partial = target.with_name(target.name + ".partial")
     try:
         with Lenient(partial) as device, h5py.File(device, "w") as file:

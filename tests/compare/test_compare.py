@@ -554,6 +554,8 @@ BAD = {"no scene": ([], ["no scene"]), "missing scene": (["absent.opts"], ["abse
                      ["-compare_repeats", "at least 1"]),
        "no folder": (["scene.opts", "hasty.opts", "-compare_file", "absent/x"],
                      ["absent", "-compare_file"]),
+       "ending": (["scene.opts", "hasty.opts", "-compare_file", "kept.csv"],
+                  ["-compare_file is 'kept.csv'", "without its ending"]),
        "no path": (["scene.opts", "hasty.opts", "-load_path", " "], ["-load_path"]),}
 
 

@@ -272,6 +272,12 @@ def test_a_film_without_ffmpeg_is_a_gif(tmp_path, monkeypatch):
         encoding.ending(MovieOptions(format="mp4"))
 
 
+def test_a_film_without_an_ending_gets_one(tmp_path):
+    asked = MovieOptions(output=str(tmp_path / "film"), format="gif", frames=2, width=6.0)
+    path = movie.write_movie(archive(tmp_path / "run.h5", 2), asked)
+    assert path == tmp_path / "film.gif" and path.read_bytes().startswith(b"GIF")
+
+
 @pytest.mark.parametrize("output, word", [("run.avi", r"ends in \.mp4 or \.gif"),
                                           ("run.gif", "leave one out")])
 def test_a_film_refuses_names_that_do_not_fit(monkeypatch, output, word):

@@ -17,6 +17,7 @@ from contactsnes.output.asked import ExportOptions, TableOptions
 from contactsnes.output.columns import Column
 from contactsnes.output.files import ArchiveError
 from contactsnes.output.reading import read
+from contactsnes.output.tables import replaced
 from contactsnes.output.vtk import write_vtk
 
 X, Y = np.arange(-3.0, 3.0), np.arange(-2.0, 2.0)
@@ -103,6 +104,32 @@ def test_a_file_of_one_kind_has_not_the_name_of_another(tmp_path, kind, name):
     with pytest.raises(InputError, match=f"-format is '{kind}': name another"):
         tabular.write_table([path], tabular.tabulate([path], asked), asked)
     assert not target.exists()
+
+
+@pytest.mark.parametrize("command, name, allowed", [
+    ("table", "a.feather", r"\.csv or \.txt or \.dat"), ("export", "a.vtu", r"\.vtkhdf or \.hdf"),
+    ("report", "a.pdf", r"\.html or \.htm"), ("movie", "a.avi", r"\.mp4 or \.gif")])
+def test_a_file_has_not_the_name_of_an_unknown_kind(tmp_path, command, name, allowed):
+    path, target = archive(tmp_path / "run.h5", fields="all"), tmp_path / name
+    with pytest.raises(InputError, match=rf"-output is '{target}': the name .* in {allowed}$"):
+        getattr(showing, command)([str(path), "-output", str(target)])
+    assert [file.name for file in tmp_path.iterdir()] == ["run.h5"]
+
+
+@pytest.mark.parametrize("name", ["numbers", "numbers.TXT"])
+def test_a_table_may_have_no_ending_or_one_of_text(tmp_path, name):
+    path = archive(tmp_path / "run.h5")
+    asked = TableOptions(output=str(tmp_path / name), rows="last", columns="point")
+    tabular.write_table([path], tabular.tabulate([path], asked), asked)
+    assert (tmp_path / name).read_text() == "point\n3\n"
+
+
+def test_a_table_goes_into_a_pipe_without_a_name():
+    ours, theirs = os.pipe()
+    replaced(f"/dev/fd/{theirs}", lambda path: path.write_text("point\n"))
+    assert os.read(ours, 100) == b"point\n"
+    for number in (ours, theirs):
+        os.close(number)
 
 
 def test_attributes_of_scenes_have_their_units(tmp_path):

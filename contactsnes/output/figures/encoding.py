@@ -9,6 +9,7 @@ from matplotlib import animation
 from PIL import Image
 
 from ...options.fields import InputError
+from ..files import check_ending
 
 SHADES, NEAR = 65, 4
 """Colours of a map in a GIF, its middle among them, and how near one of them a colour is that goes
@@ -80,9 +81,8 @@ def write_mp4(path, rate, scenes):
 def ending(asked):
     """mp4 where ffmpeg is and nothing else is asked for, else gif."""
     there = animation.FFMpegWriter.isAvailable()
+    check_ending(Path(asked.output), "a movie", (".mp4", ".gif"))
     name = Path(asked.output).suffix.lower().lstrip(".")
-    if name and name not in ("mp4", "gif"):
-        raise InputError(f"-output is '{asked.output}': the name of a movie ends in .mp4 or .gif")
     wanted = asked.format if asked.format != "auto" else name or ("mp4" if there else "gif")
     if name and name != wanted:
         raise InputError(f"-format is '{wanted}', but -output is '{asked.output}': leave one out")

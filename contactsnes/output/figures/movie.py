@@ -78,7 +78,9 @@ def write_movie(path, asked):
         raise ArchiveError(f"{path} has no fields to show: run with -archive_fields all"
                            if record.points else f"{path} has no points to show yet.")
     kind = ending(asked)
-    target = Path(asked.output) if asked.output else Path(path).with_suffix(f".{kind}")
+    target = Path(asked.output or path)
+    if target.suffix.lower() != f".{kind}":
+        target = target.with_suffix(f".{kind}")  # by which Pillow and ffmpeg know what is wanted
     check_output(target)
     rate = _rate(record, asked)
     # Formulas take most of the time: numbers at axes are none.
