@@ -11,26 +11,14 @@ import numpy as np
 from numpy.lib.format import MAGIC_PREFIX
 
 from ..system.devices import failure
-from .instruments import WIDE, has_library, is_binary, topography
-from .stored_heights import Heights, Stored, stored
+from .height_texts import read_table, size_and_unit, text_of
+from .instruments import has_library, is_binary, topography
+from .stored_heights import Heights, Stored, known, stored
 
-UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9, "pm": 1e-12, "A": 1e-10}
-"""Unit of heights -> metres."""
-OWN_NAMES = {"µm": "um", "μm": "um", "Å": "A", "Angstrom": "A"}
-"""Units as files write them."""
 LONGEST = 300
 """Characters of a library's reason that are told."""
 UNEVEN = 0.02
 """Part of a step by which places of points may miss a regular grid."""
-NO_NUMBER = re.compile(r"#(?=N/A|NV\b|[A-Z/0]+[!?]|(?:QNAN|QNB|SNAN|IND|INF)\d*\b)")
-"""In what spreadsheets and the C of Windows write for no number (#N/A, 1.#QNAN), a sign that begins
-no comment."""
-NO_HEIGHT = re.compile(r"nodata\w*[\s=:]+([-+]?\d[-+.\deE]*)", re.IGNORECASE)
-"""How a heading tells the number that stands for no height."""
-MINUS = "\N{MINUS SIGN}"
-"""What some languages have before a number in place of a hyphen."""
-WITH_COMMAS = (";", "\t")
-"""What may separate numbers that have decimal commas."""
 FEWEST = 6
 """Rows from which on columns of numbers may be places and heights."""
 EXTRA = ("use FILE.npy, FILE.txt, FILE.csv, FILE.xyz or FILE.h5:dataset, or install "
@@ -98,19 +86,22 @@ def _read_dataset(filename, dataset):
 
 
 def _read_map(filename, _=""):
-    """A map as rows of numbers; of a file that is no text, what an instrument wrote under the same
-    ending; ValueError for places, in columns or beside the heights."""
+    """A map as rows of numbers, with the size and unit that Gwyddion tells above them; of a file
+    that is no text, what an instrument wrote under the same ending; ValueError for places, in
+    columns or beside the heights."""
     if is_binary(filename) and has_library():
         return _read_instrument(filename)
-    found = _read_table(filename)
+    text = text_of(filename)
+    table = read_table(text)
+    found = np.squeeze(table)
     if found.ndim == 2 and found.shape[1] in (2, 3) and _are_points(found):
         raise ValueError(f"its {found.shape[1]} columns seem to be places and heights; call it "
                          "FILE.xyz to have it read so")
-    for which, table in (("column", found), ("row", found.T)):
-        if found.ndim == 2 and len(table.T) > 1 and _are_places(table):
+    for which, turned in (("column", found), ("row", found.T)):
+        if found.ndim == 2 and len(turned.T) > 1 and _are_places(turned):
             raise ValueError(f"its first {which} seems to be places, evenly spaced, and no heights "
                              "as the next one; take places out, or save the map as FILE.npy")
-    return found
+    return Heights(found, *size_and_unit(text, table.shape))
 
 
 def _are_places(table):
@@ -137,80 +128,11 @@ def _rises_evenly(column):
     return bool(steps[0] and np.abs(steps - steps.mean()).max() <= UNEVEN * abs(steps.mean()))
 
 
-def _read_table(filename, _=""):
-    """Rows of numbers, separated by blanks, tabulators, semicolons or commas, after lines that are
-    none; an empty cell, what is no number, and the number that the heading tells to be none, is a
-    hole. A separator that ends every row separates nothing."""
-    text = _text(filename)
-    lines = [NO_NUMBER.sub("?", line).split("#")[0].rstrip(" \r") for line in text.splitlines()]
-    lines = [line for line in lines if line.strip()]
-    first = next((place for place, line in enumerate(lines) if _is_row(line)), len(lines))
-    while 0 < first < len(lines) and _is_row_with_holes(lines[first - 1], lines[first]):
-        first -= 1
-    rows = lines[first:]
-    if not rows:
-        raise ValueError("it has no row of numbers, with blanks, commas, tabulators or semicolons "
-                         "(then also decimal commas) between them")
-    separator = _separator(rows[-1])
-    if separator and all(row.endswith(separator) for row in rows):
-        rows = [row.removesuffix(separator) for row in rows]
-    if separator in WITH_COMMAS:
-        rows = [row.replace(",", ".") for row in rows]
-    try:
-        found = np.loadtxt(rows, delimiter=separator, ndmin=2)
-    except ValueError:
-        found = np.genfromtxt(rows, delimiter=separator, ndmin=2)
-    if none := NO_HEIGHT.search(text):
-        found[found == float(none[1])] = np.nan
-    return np.squeeze(found)
-
-
-def _text(filename):
-    """The text of a file, of one byte a letter or more."""
-    content = Path(filename).read_bytes()
-    text = content.decode("utf-16" if content.startswith(WIDE) else "utf-8-sig", errors="replace")
-    return text.replace(MINUS, "-")
-
-
-def _separator(row):
-    """What separates the numbers of a row; None for blanks."""
-    return next((sign for sign in (";", "\t", ",") if sign in row), None)
-
-
-def _is_row(line):
-    """Whether a line has numbers, or empty cells, and nothing else."""
-    filled = [cell for cell in _cells(line) if cell.strip()]
-    return bool(filled) and all(map(_is_number, filled))
-
-
-def _is_row_with_holes(line, row):
-    """Whether the line before a row is one, too, with words where heights are missing: it has as
-    many cells, more than a place and a height, and most are numbers."""
-    cells = _cells(line)
-    numbers = sum(map(_is_number, cells))
-    return len(cells) == len(_cells(row)) and numbers > max(3, len(cells) / 2)
-
-
-def _cells(line):
-    """What a line has between its separators."""
-    separator = _separator(line)
-    return (line.replace(",", ".") if separator in WITH_COMMAS else line).split(separator)
-
-
-def _is_number(cell):
-    """Whether a cell holds a number."""
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True
-
-
 def _read_points(filename, _=""):
     """Points x y z of a regular grid in any order (x z of a line); places without one are holes;
     ValueError for two heights at one place."""
-    table = np.atleast_2d(_read_table(filename))
-    if table.ndim != 2 or table.shape[1] not in (2, 3):
+    table = read_table(text_of(filename))
+    if table.shape[1] not in (2, 3):
         raise ValueError(f"it has {table.shape[-1]} columns; x y z, or x z of a line, are wanted")
     table = table[np.isfinite(table[:, :-1]).all(axis=1)]
     numbers, shape, size = [], [], []
@@ -254,10 +176,7 @@ def _read_instrument(filename, _=""):
         if np.ptp(steps) > UNEVEN * abs(steps.mean()):
             raise ValueError("its points are not evenly spaced along x")
     values = np.ma.filled(np.ma.asarray(found.heights(), dtype=float), np.nan)
-    unit = OWN_NAMES.get(found.unit, found.unit)
-    if unit is not None and unit not in UNITS:
-        raise ValueError(f"its unit is {unit}; known are {', '.join(UNITS)}")
-    return Heights(values, size, unit)
+    return Heights(values, size, known(found.unit))
 
 
 def _read_array(filename, _=""):

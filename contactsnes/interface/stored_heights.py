@@ -6,12 +6,24 @@ from typing import NamedTuple
 
 import numpy as np
 
+UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9, "pm": 1e-12, "A": 1e-10}
+"""Unit of heights -> metres."""
+OWN_NAMES = {"µm": "um", "μm": "um", "Å": "A", "Angstrom": "A"}
+"""Units as files write them."""
 BLOCK = 2 ** 20
 """Numbers of a file that are looked at together."""
 HOLES = "_FillValue", "missing_value"
 """Attributes of a dataset, by netCDF's conventions, that tell the number which stands for none."""
 PACKED = "scale_factor", "add_offset"
 """Those that tell what its numbers are to be multiplied by, and what is to be added then."""
+
+
+def known(unit):
+    """A unit as a file writes it by its name in `UNITS`, or None; ValueError for another one."""
+    unit = OWN_NAMES.get(unit, unit)
+    if unit is not None and unit not in UNITS:
+        raise ValueError(f"its unit is {unit}; known are {', '.join(UNITS)}")
+    return unit
 
 
 @dataclass(frozen=True, eq=False)

@@ -411,6 +411,58 @@ def test_points_bring_their_size_in_their_unit(tmp_path):
     assert plain.periods == pytest.approx((12.0, 9.0))
 
 
+HEADING = "# Channel: ZSensor\n# Width: {}\n# Height: {}\n# Value units: {}\n"
+"""As Gwyddion writes it above rows of numbers, which are as long as the width says."""
+
+
+def exported(path, values, width="3.600 µm", height="2.4e-06 m", unit="m"):
+    """The path of a text as Gwyddion exports it."""
+    path.write_text(HEADING.format(width, height, unit) + text(np.atleast_2d(values), "\t"),
+                    encoding="utf-8")
+    return str(path)
+
+
+def test_headings_of_gwyddion_tell_size_and_unit(tmp_path):
+    name = exported(tmp_path / "map.txt", 1e-9 * MAP)
+    scene = Scene.typed(**SI, geometry_file=name)
+    assert scene.told(scene.periods, "beta") == pytest.approx((2.4e-6, 3.6e-6))
+    found = shapes.of(scene).heights(scene) * scene.scale("u_n,r")[0]
+    np.testing.assert_allclose(found, 1e-9 * MAP, rtol=1e-10)
+    part = Scene.typed(**SI, geometry_file=name, heights_crop="4:20,0:18")
+    assert part.told(part.periods, "beta") == pytest.approx((1.6e-6, 3.6e-6))
+    other = exported(tmp_path / "nm.txt", MAP, "3,6 \u03bcm", "2400 nm", "nm")
+    assert Scene.typed(**SI, geometry_file=other).periods == pytest.approx(scene.periods)
+
+
+def test_profiles_of_gwyddion_have_the_length_of_their_side(tmp_path):
+    row = exported(tmp_path / "row.txt", MAP[:, 0])
+    column = exported(tmp_path / "column.txt", MAP[:, :1])
+    assert [height_files.read(name).size for name in (row, column)] == [
+        pytest.approx((3.6e-6,)), pytest.approx((2.4e-6,))]
+
+
+def test_headings_of_gwyddion_and_options_do_not_contradict_each_other(tmp_path):
+    name = exported(tmp_path / "map.txt", 1e-9 * MAP)
+    assert Scene.typed(**SI, geometry_file=name, heights_unit="m").told(
+        1.0, "u_n,r") == pytest.approx(Scene.typed(**SI, geometry_file=name).told(1.0, "u_n,r"))
+    with pytest.raises(InputError, match="-scene_heights_unit is 'nm', but the file says m"):
+        Scene.typed(**SI, geometry_file=name, heights_unit="nm")
+    with pytest.raises(InputError, match="'dimensionless', but heights of .* are in m: add"):
+        Scene.typed(geometry="file", geometry_file=name)
+    (told,) = [text for text in cautions.of_surface(Scene.typed(
+        **SI, geometry_file=name, heights_size=(3.6e-6, 2.4e-6))) if "itself says" in text]
+    assert "itself says 2.4 µm x 3.6 µm" in told
+
+
+@pytest.mark.parametrize("width, unit, sentence", [
+    ("3.6 µm", "V", "its unit is V; known are m"), ("18 px", "m", "a map without size"),
+    ("0 m", "m", "a map without size"), ("3.6 µm", "", "a map without size")])
+def test_headings_of_gwyddion_that_tell_no_lengths(tmp_path, width, unit, sentence):
+    name = exported(tmp_path / "map.txt", MAP, width, unit=unit)
+    with pytest.raises(InputError, match=sentence):
+        Scene.typed(**SI, geometry_file=name)
+
+
 def test_a_grid_of_its_own_is_fitted(tmp_path):
     scene = Scene.typed(geometry="file", geometry_file=saved(tmp_path, MAP[:23]), period=9.0,
                         heights_fit="interpolate", points=(32, 32), heights_edges="window")

@@ -6,10 +6,9 @@ from ...grid.cell import Grid
 from ...options.fields import InputError, as_text, checked, option
 from ...system.processes import world
 from ..gap import gap_of_heights
-from ..height_files import UNITS
 from ..heights import EDGES, FILLS, on_nodes, prepared
 from ..seams import rms_slope
-from ..stored_heights import Stored
+from ..stored_heights import UNITS, Stored
 from .shape import Shape
 
 UNNAMED = "-scene_geometry is 'file' without a file: name it by -scene_geometry_file"
@@ -112,7 +111,7 @@ class File(Shape):
         if not si and found.unit:
             raise InputError(f"-scene_units is 'dimensionless', but heights of "
                              f"{own['geometry_file']} are in {found.unit}: add -scene_units si")
-        if found.unit and own.get("heights_unit"):
+        if found.unit and UNITS[own.get("heights_unit") or found.unit] != UNITS[found.unit]:
             raise InputError(f"-scene_heights_unit is '{own['heights_unit']}', but the file says "
                              f"{found.unit}: leave it out")
         size = own.get("heights_size")
