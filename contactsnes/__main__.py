@@ -16,8 +16,15 @@ def main():
     # What is imported stays to the end: collections that look through it again and again would take
     # a fifth of the start. `session.settled` ends that.
     gc.disable()
-    from .commands.cli import main as command
+    try:
+        from .commands.cli import main as command
+    except Exception as error:
+        from .system.misfits import misfit
 
+        if not (why := misfit(error)):
+            raise
+        sys.stderr.write(f"contactsnes: error: {why}\n")
+        sys.exit(2)
     status = command()
     # Where an interrupt has left a text that Python executed, as those are of which it makes
     # dataclasses, `python -m` ends by SIGINT itself, not by the status; another text undoes that.

@@ -1,5 +1,5 @@
-"""The commands, their words and exit statuses: run, info and compare here, those on archives in
-`showing`. Only this room prints; it decides nothing physical.
+"""The commands, their words and exit statuses: run and info here, compare in `comparing`, those on
+archives in `showing`. Only this room prints; it decides nothing physical.
 
 Exit status: 0 every leg done or a stop that was asked for reached, 1 a solve failed, no equilibrium
 exists, or what was computed or told cannot be written, 2 bad input, 128 + the signal's number for
@@ -8,42 +8,27 @@ an interrupted command.
 
 import dataclasses
 import gc
+import importlib
 import signal
 import sys
-from functools import partial
 
 from .. import __version__
 from ..branch.failures import uncomputable
-from ..contact.balance import CONVERGENCE
-from ..options.database import (
-    database,
-    database_text,
-    petsc_arguments,
-    read,
-    unused_options,
-)
+from ..options.database import database, read
 from ..options.fields import InputError, meant
-from ..options.help import help_text
 from ..options.words import asks_for_help
 from ..output.files import ArchiveError, WriteError
 from ..scene import settings as scenes
-from ..scene.units import UNITS
+from ..system.misfits import misfit
 from ..system.processes import launched, world
 from ..system.streams import Interrupts, standard_streams
 from . import summary
 from .cautions import cautions
 from .own_solvers import blamed
 from .run import Run
-from .session import (
-    create_branch,
-    settled,
-    solver_options,
-    start_comparison,
-    start_petsc,
-    versions,
-)
-from .speech import complain, told
-from .starting import assemble, begin_petsc
+from .session import create_branch, help_on_options, settled, solver_options, start_petsc
+from .speech import complain, interrupted, told
+from .starting import assemble
 
 HELP = """\
 contactsnes: adhesive frictional contact of elastic bodies
@@ -108,11 +93,14 @@ def _ended(words, interrupts):
         complain("error", reason)
         return status
     except KeyboardInterrupt as interrupt:
-        return 128 + (interrupt.args[0] if interrupt.args else signal.SIGINT)
-    # a defect of ours: shown here, since a living traceback holds PETSc objects (see below)
-    except Exception:
+        return interrupted(interrupt)
+    except Exception as error:
+        if why := misfit(error):
+            complain("error", why)
+            return 2
         import traceback
 
+        # a defect of ours: shown here, since a living traceback holds PETSc objects (see below)
         traceback.print_exc()
         return 1
     finally:
@@ -168,29 +156,11 @@ def _no_command(command):
 def run(arguments, interrupts):
     """``contactsnes run``: follow the load path, show and keep its points."""
     if asks_for_help(arguments):
-        return _help_on_options(arguments)
+        return help_on_options(arguments)
     task = Run(start_petsc(arguments), interrupts)
     settled()
     status = task.follow()
     return status if task.archive else status or told()
-
-
-def _words(arguments):
-    """The options that arguments and their files stand for; none where a file cannot be read, which
-    help does not need."""
-    try:
-        return petsc_arguments(arguments)
-    except InputError:
-        return []
-
-
-def _help_on_options(arguments, more=()):
-    begin_petsc([])
-    words = _words([argument for argument in arguments if not asks_for_help([argument])])
-    named = {name[1:].lower(): value for name, value in zip(words, words[1:])}
-    scenes.Scene.prepare(lambda: named)
-    return told(help_text((*solver_options(), *more), notes=[("Convergence", CONVERGENCE)],
-                          units=UNITS))
 
 
 # info
@@ -199,7 +169,7 @@ def _help_on_options(arguments, more=()):
 def info(arguments):
     """``contactsnes info``: what would be solved."""
     if asks_for_help(arguments):
-        return _help_on_options(arguments)
+        return help_on_options(arguments)
     settings = start_petsc(arguments, _advise)
     scene, load = settings.scene, settings.load
     legs = load.legs(scene.dimension) if load.path else ()
@@ -242,58 +212,17 @@ def _advise(settings):
     _print({"Before solving": summary.advised(settings)})
 
 
-# compare
+# the others
 
 
-def compare(arguments):
-    """``contactsnes compare``: methods on one scene, measured on equal terms."""
-    from ..compare.methods import CompareOptions
-
-    if asks_for_help(arguments):
-        return _help_on_options(arguments, (CompareOptions,))
-    comparison, stem = start_comparison(arguments, partial(print, flush=True))
-    from ..compare import table as comparison_table
-    from .showing import Saved, writing
-
-    def drawn():
-        from ..compare.figure import plot_comparison  # and matplotlib, which others need not import
-
-        return [plot_comparison([f"{stem}.h5"], f"{stem}.png")]
-
-    about = {"scene": str(comparison.branch.scene), "options": database_text(),
-             "versions": str(versions())}
-    save = Saved(f"the comparison {stem}",
-                 lambda: comparison_table.save(comparison, stem, about))
-    try:
-        comparison.run(save)
-    except KeyboardInterrupt:
-        if save.done:
-            complain("error", f"interrupted: what was measured is in {stem}.csv and {stem}.h5, and "
-                     "-compare_overwrite begins anew")
-        raise
-    for name in unused_options(solver_options()):
-        if name[1:] in comparison.given:
-            complain("warning", f"{name} was never used: neither this program "
-                     "nor any PETSc object in use asks for it")
-    print("", *comparison_table.lines(comparison), sep="\n")
-    save.check()
-    figures = writing(save.path, drawn) if comparison.watched else []
-    print(f"{stem}.csv", f"{stem}.h5", *figures, sep="\n", flush=True)
-    return 0 if any(comparison.finished(method) for method in comparison.methods) else 1
-
-
-# commands on archives
-
-
-def _shown(name):
-    """A command of ``showing``, which is imported when it is wanted."""
+def _of(module, name):
+    """A command of a module, which is imported when it is wanted."""
     def command(arguments):
-        from . import showing
-
-        return getattr(showing, name)(arguments)
+        return getattr(importlib.import_module(f".{module}", __package__), name)(arguments)
 
     return command
 
 
-COMMANDS = {"run": run, "plot": _shown("plot"), "info": info, "compare": compare,
-            **{name: _shown(name) for name in ("report", "movie", "table", "export")}}
+COMMANDS = {"run": run, "plot": _of("showing", "plot"), "info": info,
+            "compare": _of("comparing", "compare"),
+            **{name: _of("showing", name) for name in ("report", "movie", "table", "export")}}

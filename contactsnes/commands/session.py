@@ -14,20 +14,22 @@ import numpy as np
 
 from .. import __version__
 from ..branch.grid_choice import chosen, on
+from ..contact.balance import CONVERGENCE
 from ..interface import shapes
-from ..options.database import check_names, check_values, database, install, petsc_arguments, read
+from ..options.database import check_names, check_values, database, petsc_arguments, read
 from ..options.fields import InputError, meant
-from ..options.files import entries, located, refuse_circles
+from ..options.files import located, refuse_circles
+from ..options.help import help_text
 from ..options.solver_values import VIEWERS, refuse_unwritable
+from ..options.words import asks_for_help
 from ..scene import settings as scenes
 from ..scene.load import Load
 from ..scene.settings import OPTION_CLASSES
+from ..scene.units import UNITS
 from ..system.processes import world
 from . import own_solvers
+from .speech import told
 from .starting import begin_petsc, refuse_differences, refuse_unshared
-
-COMPARED = (".csv", ".h5", ".png")
-"""Endings of the files of a comparison."""
 
 
 class Settings(NamedTuple):
@@ -124,49 +126,30 @@ def _with_points(settings):
         raise error if isinstance(error, InputError) else InputError(str(error)) from None
 
 
-def start_comparison(arguments, log):
-    """Initialise PETSc with the arguments of a comparison; the comparison, its options, and the
-    stem of its files."""
-    from ..compare import methods
-
-    scene, paths, words = methods.split(arguments)
-    settings = start_petsc([scene, *words])
-    check_names((methods.CompareOptions,))
-    asked, given = read(methods.CompareOptions), database()
-    stem = Path(asked.file or f"comparison-{methods.variant(scene, words)}")
-    _check_files(stem, asked.overwrite)
-    branch = create_branch(settings)
-    typed = {name: given[name] for name in entries(words) if name in given}
-    found = methods.read_methods(paths, typed)
-    for method in found:
-        install({**given, **method.entries})
-        try:
-            check_solvers()
-            read(scenes.Form)
-        except InputError as error:
-            raise InputError(f"method {method.name}: {error}") from None
-    from ..compare.comparison import Comparison  # PETSc has its options now
-
-    return Comparison(Path(scene).stem, branch, found, given, asked, log), stem
-
-
-def _check_files(stem, overwrite):
-    """InputError unless a comparison can write its files."""
-    if stem.suffix in COMPARED:
-        raise InputError(f"-compare_file is '{stem}': name it without its ending, the files get "
-                         f"{', '.join(COMPARED)}")
-    if not stem.parent.is_dir() or not os.access(stem.parent, os.W_OK):
-        raise InputError(f"-compare_file is '{stem}': its folder does not "
-                         "exist or cannot be written; name another")
+def _words(arguments):
+    """The options that arguments and their files stand for; none where a file cannot be read, which
+    help does not need."""
     try:
-        there = [path for path in (Path(f"{stem}{suffix}") for suffix in COMPARED)
-                 if path.exists()]
-    except OSError as error:
-        raise InputError(f"-compare_file is '{stem}', which cannot be the "
-                         f"name of a file: {error.strerror}") from None
-    if there and not overwrite:
-        raise InputError(f"{there[0]} exists: -compare_overwrite replaces it, "
-                         "another -compare_file leaves it alone")
+        return petsc_arguments(arguments)
+    except InputError:
+        return []
+
+
+def help_on_options(arguments, more=()):
+    """Print every option, those of files of one's own that arguments name among them; the exit
+    status.
+
+    Parameters
+    ----------
+    arguments : list of str
+    more : dataclasses of options besides those of a run
+    """
+    begin_petsc([])
+    words = _words([argument for argument in arguments if not asks_for_help([argument])])
+    named = {name[1:].lower(): value for name, value in zip(words, words[1:])}
+    scenes.Scene.prepare(lambda: named)
+    return told(help_text((*solver_options(), *more), notes=[("Convergence", CONVERGENCE)],
+                          units=UNITS))
 
 
 def check_solvers():

@@ -215,6 +215,15 @@ def test_signals_at_any_moment_end_a_run_with_their_numbers(tmp_path):
             read(tmp_path / f"{wait}.h5")
 
 
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_before_the_first_point_is_told(number, monkeypatch, capsys, default_signals):
+    """While a contact was set up it ended a run without a word."""
+    monkeypatch.setattr("contactsnes.commands.run.create_branch",
+                        lambda *_: os.kill(os.getpid(), number))
+    assert cli.main(["run", *STILL.split()]) == 128 + number
+    assert capsys.readouterr().err == f"contactsnes: error: interrupted by {number.name}\n"
+
+
 def test_an_interrupt_in_a_text_that_is_executed_ends_with_its_number(tmp_path):
     """As Python executes texts to make dataclasses, of modules that are imported on the way."""
     (tmp_path / "program.py").write_text(
@@ -225,6 +234,20 @@ def test_an_interrupt_in_a_text_that_is_executed_ends_with_its_number(tmp_path):
     done = subprocess.run([sys.executable, "-m", "program"], env=ENVIRONMENT, cwd=tmp_path,
                           capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (130, "")
+
+
+@pytest.mark.parametrize("name, program", [
+    ("pyfftw", "raise {}"), ("petsc4py", "def init(arguments):\n    raise {}")])
+@pytest.mark.parametrize("error", [
+    "ValueError('numpy.dtype size changed, may indicate binary incompatibility.')",
+    "ImportError('numpy.core.multiarray failed to import (auto-generated)')"])
+def test_a_package_that_was_compiled_for_another_numpy_is_told(name, program, error, tmp_path):
+    """As it is imported with the program, and later; it ended in a traceback."""
+    (tmp_path / f"{name}.py").write_text(program.format(error))
+    done = shell("CONTACTSNES info STILL", tmp_path,
+                 PYTHONPATH=os.pathsep.join([str(tmp_path), str(ROOT)]))
+    one_sentence(done, 2, f"{name} was compiled for another NumPy than {np.__version__}",
+                 error.split("'")[1])
 
 
 # Files of options, names and folders
