@@ -17,7 +17,7 @@ from ..scene.digits import check_depth
 from ..scene.isolation import check_form, largest_force
 from ..scene.parts import sources
 from ..scene.settings import attributes
-from ..system.processes import difference, end_together, launched
+from ..system.processes import difference, end_together, launched, overlooked
 
 if launched()[0] > 1:
     end_together()  # what goes wrong in a script may do so before it has a branch
@@ -39,7 +39,7 @@ def refuse_unlike(scene, *options):
     mine |= {given.option_name(field.name): getattr(given, field.name)
              for given in options for field in fields(given)}
     mine = {name: as_text(value) for name, value in mine.items()}
-    mine |= {f"-{name}": value for name, value in database().items()}
+    mine |= {f"-{name}": value for name, value in database().items()} | overlooked()
     if found := difference(MPI.COMM_WORLD.allgather(mine)):
         rank, name, there, here = found
         raise InputError(f"process {rank} of {PETSc.COMM_WORLD.size} differs from the first one: "

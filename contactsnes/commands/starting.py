@@ -10,7 +10,7 @@ from ..options.fields import InputError
 from ..options.files import entries
 from ..options.words import asks_for_help
 from ..system.devices import checksum
-from ..system.processes import difference, launched, missing, world
+from ..system.processes import difference, launched, missing, overlooked, world
 from .speech import complain
 
 SHARED = ("run", "info")
@@ -142,6 +142,7 @@ def refuse_differences():
     program."""
     given = database()
     mine = {"contactsnes": __version__, **{f"-{name}": value for name, value in given.items()},
+            **overlooked(),
             **{f"the file of -{name}": checksum(path)
                for name, path in _files_of_scene(given).items()}}
     if found := difference(world.everywhere(mine)):

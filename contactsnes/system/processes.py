@@ -26,6 +26,9 @@ and which it is."""
 TOLD = ("OMPI_", "PMI", "SLURM_", "MV2_COMM_", "PALS_", "ALPS_")
 """How names of all their variables begin."""
 
+OVERLOOKED = ("PETSC_OPTIONS", "PETSC_OPTIONS_YAML")
+"""Variables from which PETSc takes options: those of the first process, for all."""
+
 NEEDED = ("mpi4py",)
 """Packages without which no scene can be shared out."""
 
@@ -55,9 +58,15 @@ def unlaunched():
     return {name: value for name, value in os.environ.items() if not name.startswith(TOLD)}
 
 
+def overlooked():
+    """Options of this process's environment that PETSc asks the first one for: name -> value."""
+    return {name: os.environ[name] for name in OVERLOOKED if os.environ.get(name)}
+
+
 def difference(processes):
     """What the first of processes that is not as the first one has otherwise: (its number from 1,
-    name, there, in the first); None where all are alike.
+    name, there, in the first); None where all are alike. One that has nothing of what is
+    `overlooked` gets that of the first.
 
     Parameters
     ----------
@@ -66,7 +75,8 @@ def difference(processes):
     first, *others = processes
     return next(((rank, name, other.get(name, "not given"), first.get(name, "not given"))
                  for rank, other in enumerate(others, start=2) for name in {**first, **other}
-                 if first.get(name) != other.get(name)), None)
+                 if first.get(name) != other.get(name)
+                 and (name not in OVERLOOKED or name in other)), None)
 
 
 def _count(name):

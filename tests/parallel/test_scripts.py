@@ -83,7 +83,9 @@ print("alike", flush=True)
     ("load = Load(path=f'normal_displacement={0.2 + 0.1 * rank:g}')",
      "-load_path is normal_displacement=0.3 there and normal_displacement=0.2 in the first"),
     ("PETSc.Options()['snes_atol'] = 1e-8 / (1 + rank)",
-     "-snes_atol is 5e-09 there and 1e-08 in the first")])
+     "-snes_atol is 5e-09 there and 1e-08 in the first"),
+    ("import os; os.environ['PETSC_OPTIONS'] = f'-snes_atol {rank}'",
+     "PETSC_OPTIONS is -snes_atol 1 there and -snes_atol 0 in the first")])
 def test_processes_with_other_scenes_are_told(unlike, words, tmp_path):
     """Each took its own numbers on its rows: forces that belong to no scene."""
     say(2, SPHERE + unlike + f"""

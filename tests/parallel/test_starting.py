@@ -214,6 +214,24 @@ sys.exit(main(["run", *{PLANE!r}, "-scene_geometry", "file", "-scene_geometry_fi
 
 
 @together
+@pytest.mark.parametrize("rank, status", [(0, 0), (1, 2)])
+def test_options_of_one_environment_are_those_of_all_or_told(rank, status, tmp_path):
+    """PETSc hands on what the first process has, and would not look at what others have."""
+    text = f"""
+import os, sys
+from contactsnes.commands.cli import main
+from contactsnes.system.processes import launched
+if launched()[1] == {rank}:
+    os.environ["PETSC_OPTIONS"] = "-snes_atol 1e-7"
+sys.exit(main(["info", *{PLANE!r}]))"""
+    done = program(2, text, tmp_path, fresh=True)
+    assert done.returncode == status, done
+    if status:
+        refused(done, "process 2 of 2 differs from the first one: PETSC_OPTIONS is -snes_atol 1e-7 "
+                "there and not given in the first")
+
+
+@together
 @pytest.mark.parametrize("second", (["info"], ["run", "-help"], ["plot"]))
 def test_processes_with_other_commands_are_told(second, tmp_path):
     text = f"""
