@@ -76,11 +76,17 @@ def ending(status):
     return f"exit status {status}" if status else ""
 
 
-def failure(read, patience=120.0):
+def failure(read, patience=120.0, work=100):
     """Why a function that reads a file fails, in words; an empty text where it does not.
 
-    It is tried in a child process, since damaged files crash HDF5 or keep it busy for ever, and
-    with no more memory than they can need.
+    It is tried in a child process, since damaged files crash HDF5 or keep it busy for ever. (What
+    is compressed may be a thousand times as long as its file: that bounds no time.)
+
+    Parameters
+    ----------
+    read : function without arguments
+    patience : float, seconds that it may take
+    work : int, seconds of the processor that it may take
     """
     if not hasattr(os, "fork"):
         return ""
@@ -88,30 +94,33 @@ def failure(read, patience=120.0):
     child = os.fork()
     if not child:
         os.close(ours)
-        _try(read, theirs)
+        _try(read, theirs, work)
     os.close(theirs)
     try:
         ready, _, _ = select.select([ours], [], [], patience)
         told = (b"".join(iter(lambda: os.read(ours, 65536), b"")).decode("utf-8", "replace")
-                if ready else "reading it does not end")
+                if ready else ENDLESS)
     finally:
         os.close(ours)
         with contextlib.suppress(ProcessLookupError):
             os.kill(child, signal.SIGKILL)
-        os.waitpid(child, 0)
-    return "reading it crashes" if not told else "" if told == _DONE else told
+        _, status = os.waitpid(child, 0)
+    if not told:
+        worked = os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGXCPU
+        return ENDLESS if worked else "reading it crashes"
+    return "" if told == _DONE else told
 
 
-_DONE = "done"
+_DONE, ENDLESS = "done", "reading it does not end"
 
 
-def _try(read, pipe):
+def _try(read, pipe, work):
     """In the child: read, tell how it went, and end."""
     told = "it takes too much memory"
     try:
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, signal.SIG_DFL)
-        for limit, wanted in ((resource.RLIMIT_CORE, 0), (resource.RLIMIT_CPU, 100)):
+        for limit, wanted in ((resource.RLIMIT_CORE, 0), (resource.RLIMIT_CPU, work)):
             most = resource.getrlimit(limit)[1]  # which nobody may raise
             resource.setrlimit(limit, (wanted if most == resource.RLIM_INFINITY
                                        else min(wanted, most), most))

@@ -515,7 +515,9 @@ def test_what_crashes_or_does_not_end_is_told():
     assert devices.failure(lambda: None) == "" and devices.failure(
         lambda: 1 / 0) == "ZeroDivisionError: division by zero"
     assert devices.failure(lambda: os.kill(os.getpid(), signal.SIGSEGV)) == "reading it crashes"
-    assert devices.failure(lambda: time.sleep(60), patience=0.1) == "reading it does not end"
+    for endless, limit in ((lambda: time.sleep(60), {"patience": 0.1}),
+                           (lambda: sum(iter(int, 1)), {"work": 1})):
+        assert devices.failure(endless, **limit) == "reading it does not end"
 
 
 # Numbers and grids that are too large
