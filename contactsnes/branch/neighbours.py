@@ -2,20 +2,16 @@
 
 import numpy as np
 
-from ..contact import acceptance, combining, states
+from ..contact import acceptance, combining, states, ways
 from ..contact.edges import follow_edge
 from ..contact.fronts import fronts_foretold, fronts_moved
-
-OFF, OFF_ITS_WAY = 0.2, 0.4
-"""How far a node may end off its prediction before a short jump may be the reason: ranges of the
-law, and part of the farthest way of a node in the step."""
 
 
 class Neighbours:
     """States of a contact compared and combined, for a class with ``contact`` and ``symmetry``; no
     method solves."""
 
-    leeway = acceptance.STRAYS
+    leeway = ways.STRAYS
 
     def adapted(self, point, controls, load):
         """The point as one of a leg: with as many components as there are controls, under its
@@ -54,7 +50,7 @@ class Neighbours:
         guess, state : State
         largest : whether the largest at a node, not the root mean square
         """
-        asked, told = acceptance.TOLD.get(state, ((), None))
+        asked, told = ways.TOLD.get(state, ((), None))
         if not largest and [one() for one in asked[::2]] == [self.contact, guess]:
             return told.moved  # which a step from the one to the other has found
         return states.missed(self.contact, states.with_components(guess, state.components),
@@ -62,13 +58,13 @@ class Neighbours:
 
     def ways(self, guess, last, state):
         """How far a state is from its prediction and from where the step began, ranges of the law
-        (``acceptance.ways``).
+        (``ways.ways``).
 
         Parameters
         ----------
         guess, last, state : as of `strayed`
         """
-        return acceptance.ways(self.contact, *self._alike(guess, last, state))[:2]
+        return ways.ways(self.contact, *self._alike(guess, last, state))[:2]
 
     def strayed(self, guess, last, state):
         """By how much a node ends farther from its prediction than a smooth branch leaves open
@@ -81,17 +77,14 @@ class Neighbours:
         return acceptance.strayed(self.contact, *self._alike(guess, last, state))
 
     def adrift(self, guess, last, state):
-        """Whether a node ends off its prediction by a large part of the farthest way of the step:
-        a short jump releases hardly any energy.
+        """Whether a node ends off its prediction by a large part of the farthest way of the step
+        (``acceptance.adrift``).
 
         Parameters
         ----------
         guess, last, state : as of `strayed`
         """
-        told = acceptance.ways(self.contact, *self._alike(guess, last, state))
-        aside = told.beyond + acceptance.STRAYS + acceptance.SHARE * min(told.farthest,
-                                                                         acceptance.LONG)
-        return aside > max(OFF, OFF_ITS_WAY * told.farthest)
+        return acceptance.adrift(self.contact, *self._alike(guess, last, state))
 
     def doubtful(self, guess, last, state):
         """Whether a jump may be a part of the way to a state (``acceptance.doubtful``): where slip

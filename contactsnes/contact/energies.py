@@ -96,22 +96,10 @@ def stored(contact, point):
 
 
 def potential(contact, state):
-    """Energy of the interface, phi_n beta; None where there is none."""
+    """Energy of the interface, phi_n beta; None where there is none. Nodes are summed up part by
+    part, which stay in the processor's cache."""
     grid = contact.grid if state.half is None else state.half.grid
-    found = _potential(contact, state, getattr(grid, "weights", None))
-    # whether there is one hangs on the gaps of all nodes
-    return None if grid.any(found is None) else float(grid.node_area * grid.together(found))
-
-
-def _potential(contact, state, each):
-    """The same, summed over a state's nodes, phi_n: part by part, which stay in the processor's
-    cache.
-
-    Parameters
-    ----------
-    contact, state : Contact, State
-    each : array, for how many nodes each of them stands; None: for itself
-    """
+    each = getattr(grid, "weights", None)
     found, initial_gap = 0.0, contact.gap_on(state.nodes)
     for first in range(0, len(initial_gap), PART):
         part = slice(first, first + PART)
@@ -121,9 +109,11 @@ def _potential(contact, state, each):
             gap[1:] *= (gap[0] < contact.law.range) & (slip_of(gap) > STICKING)
         energy = contact.law.potential(gap, contact.scene.work_ratio)
         if energy is None:
-            return None
+            found = None
+            break
         found += np.add.reduce(energy) if each is None else energy @ each[part]
-    return found
+    # whether there is one hangs on the gaps of all nodes
+    return None if grid.any(found is None) else float(grid.node_area * grid.together(found))
 
 
 class PathEnergies:

@@ -66,7 +66,7 @@ class Site:
         return numbers, traction
 
     def strays(self, states, limits):
-        """How a step lies to its prediction, an array (11,), as of `contact.acceptance._by_numpy`.
+        """How a step lies to its prediction, an array (11,), as of `contact.ways._by_numpy`.
 
         Parameters
         ----------

@@ -17,6 +17,7 @@ from contactsnes.contact import (
     state,
     states,
     survey,
+    ways,
     work_along,
 )
 from contactsnes.contact.even_form import EvenForm
@@ -161,8 +162,8 @@ def test_ways_of_steps(components, nodes, weighted):
                                states._apart(began, ended, gap, weights, 3.0), rtol=1e-12)
     for threshold in (contact.scene.contact_threshold, 60.0):
         site = Site(kernel_of(contact.law), gap, weights, contact=threshold, peak=peak)
-        told = site.strays(States([foretold, ended, began]), acceptance.LIMITS)
-        expected = acceptance._by_numpy(foretold, ended, began, gap, weights, threshold, peak)
+        told = site.strays(States([foretold, ended, began]), ways.LIMITS)
+        expected = ways._by_numpy(foretold, ended, began, gap, weights, threshold, peak)
         np.testing.assert_allclose(told, expected, rtol=1e-12, atol=1e-12)
         assert nodes < 700 or (np.all(expected[2:6] > 0.0)
                                and (components == 1) == (expected[6] == 0.0))
@@ -216,16 +217,16 @@ def test_releases(components):
     began[0, ::3] += 20.0
     ended[0, ::3] += 20.0
     gap[65:330] += 30.0  # where nodes are passed over together
-    change, aside, near, allowed = acceptance._ways(foretold, ended, began, gap)
+    change, aside, near, allowed = ways.by_node(foretold, ended, began, gap)
     gaps = began.copy()
     gaps[0] += gap
     moved = np.max(np.abs(change), axis=0) * near
-    sets = [np.any(aside > acceptance.DOUBTFUL * allowed, axis=0), near, moved > 0.5 * moved.max()]
+    sets = [np.any(aside > ways.DOUBTFUL * allowed, axis=0), near, moved > 0.5 * moved.max()]
     works = acceptance._works(contact, gaps, change)
     expected = [[np.sum(work * each * nodes) for nodes in sets] for work in works]
     parts = tuple(energies.weights(contact, components))
     found = Site(kernel_of(contact.law), gap, each, parts=parts).releases(
-        States([foretold, ended, began]), acceptance.LIMITS, float(moved.max()))
+        States([foretold, ended, began]), ways.LIMITS, float(moved.max()))
     np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-11)
 
 
@@ -350,7 +351,7 @@ def test_halves_tell_what_all_nodes_do(name, extent):
     for told in (acceptance.strayed, acceptance.doubtful):
         np.testing.assert_allclose(told(contact, other, half, moved), told(contact, *plain),
                                    rtol=1e-12)
-    told, expected = (acceptance.ways(contact, *three) for three in ((other, half, moved), plain))
+    told, expected = (ways.ways(contact, *three) for three in ((other, half, moved), plain))
     np.testing.assert_allclose(told[:4], expected[:4], rtol=1e-12)
     assert told.counts == expected.counts
     np.testing.assert_allclose(told[:2], [states.missed(contact, one, moved)
