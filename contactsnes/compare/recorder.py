@@ -5,7 +5,7 @@ import time
 import numpy as np
 
 from ..branch.corrector import Corrector
-from ..solvers.snes import measured_apart
+from ..solvers.convergence import measured_apart
 
 
 class History:

@@ -4,8 +4,8 @@ iterations where these are enough."""
 from petsc4py import PETSc
 
 from .capabilities import of_snes
+from .convergence import NOT_A_NUMBER, measured, measured_apart
 from .ritz import many
-from .snes import NOT_A_NUMBER, measured, measured_apart
 
 FIRST, LATER = 0.7, 0.5
 """Part of the first residual norm below which the next one has to be, and all later ones. Warm

@@ -10,7 +10,6 @@ approached at that rate, too. A step of length h solves (1/h + 1 + C D) dv = -F.
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
 from petsc4py import PETSc
 
 from ..contact.forms import DisplacementForm
@@ -18,6 +17,7 @@ from ..options.database import read
 from ..options.fields import InputError, Options, as_text, option
 from . import callbacks
 from .capabilities import Capabilities
+from .convergence import reported
 from .operators import form_of
 from .regularised import NewtonOptions, RegularisedStep
 
@@ -137,13 +137,8 @@ class PseudoTransient:
     def _judge(self, snes, iteration, norm):
         """Report the present state to PETSc; the reason to stop, or 0."""
         reasons = PETSc.SNES.ConvergedReason
-        # PETSc takes no norm that is not a number.
-        norm = norm if norm < np.inf else np.inf
-        snes.its, snes.norm = iteration, norm
-        snes.logConvergenceHistory(norm, snes.getKSP().getIterationNumber() if iteration else 0)
-        snes.monitor(iteration, norm)
-        reason = snes.callConvergenceTest(iteration, 0.0, 0.0, norm)
-        if reason:
+        if reason := reported(snes, iteration, norm,
+                              snes.getKSP().getIterationNumber() if iteration else 0):
             return reason
         if self.time_step < SHORTEST:
             return reasons.DIVERGED_LINE_SEARCH

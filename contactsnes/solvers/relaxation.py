@@ -11,9 +11,9 @@ from ..options.database import read
 from ..options.fields import InputError, as_text
 from . import stepping
 from .capabilities import Capabilities
+from .convergence import reached, reported
 from .leaving import leaving
 from .motion import Motion
-from .snes import NOT_A_NUMBER
 
 UNBOUNDED = 1e8
 """Residual norm, in ranges and over the first one, that no motion towards a balance has
@@ -73,14 +73,9 @@ class Relaxation:
         norms : (of the unknown, of the step, of the residual)
         """
         reasons, norm = PETSc.SNES.ConvergedReason, norms[2]
-        rtol, atol, _, _ = snes.getTolerances()
         self._first = norm if iteration == 0 else self._first
-        if not np.isfinite(norm):
-            return NOT_A_NUMBER
-        if norm <= atol:
-            return reasons.CONVERGED_FNORM_ABS
-        if iteration and norm <= rtol * self._first:
-            return reasons.CONVERGED_FNORM_RELATIVE
+        if reason := reached(snes, iteration, norm, self._first):
+            return reason
         return reasons.DIVERGED_DTOL if norm > UNBOUNDED * max(1.0,
                                                                self._first) else reasons.ITERATING
 
@@ -108,14 +103,8 @@ class Relaxation:
 
     def _judge(self, snes, motion):
         """Report the present state to PETSc; the reason to stop, or 0."""
-        reasons, norm = PETSc.SNES.ConvergedReason, motion.norm()
-        # PETSc takes no norm that is not a number.
-        norm = norm if norm < np.inf else np.inf
-        snes.its, snes.norm = motion.steps, norm
-        snes.logConvergenceHistory(norm, 0)
-        snes.monitor(motion.steps, norm)
-        reason = snes.callConvergenceTest(motion.steps, 0.0, 0.0, norm)
-        if reason:
+        reasons = PETSc.SNES.ConvergedReason
+        if reason := reported(snes, motion.steps, motion.norm()):
             return reason
         if self._escapes(motion):
             return reasons.DIVERGED_FUNCTION_DOMAIN

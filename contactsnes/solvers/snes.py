@@ -5,13 +5,13 @@ import atexit
 import weakref
 from contextlib import contextmanager
 
-import numpy as np
 from petsc4py import PETSc
 
 from ..contact.balance import TOLERANCE
 from ..options.database import read
 from . import callbacks, spots
 from .capabilities import asked
+from .convergence import displacement_test
 from .krylov import LARGE, of_ksp, set_defaults
 from .multigrid import create_levels
 from .operators import Jacobian
@@ -19,10 +19,6 @@ from .precision import Precision
 from .regularised import NewtonOptions, regularise
 from .ritz import Ritz
 from .vectors import collect, communicator, create_operator, create_vector
-
-NOT_A_NUMBER = getattr(PETSc.SNES.ConvergedReason, "DIVERGED_FNORM_NAN", None) \
-    or PETSc.SNES.ConvergedReason.DIVERGED_FUNCTION_NANORINF
-"""Reason to stop at a norm that is no number, by its older or its newer name."""
 
 
 def _names(cls):
@@ -247,47 +243,3 @@ def _destroy_all():
     for thing in list(_alive.values()):
         thing.destroy()
     collect()
-
-
-def _preconditioned(snes):
-    """Whether PETSc's vector F is what a nonlinear preconditioner on the left leads to: a step."""
-    return snes.hasNPC() and snes.getNPCSide() == PETSc.PC.Side.LEFT
-
-
-def measured_apart(snes, form):
-    """Whether the norm of PETSc's own vector F is not ``residual_norm``: in the force form F is an
-    imbalance of forces, with a nonlinear preconditioner on the left a step."""
-    return not form.in_displacements or _preconditioned(snes)
-
-
-def measured(snes, form):
-    """``residual_norm`` where a SNES stands whose own vector F has another; the form keeps it as
-    ``last_norm``."""
-    unknown = snes.getSolution().getArray(readonly=True)
-    imbalance = (form.residual(unknown, np.empty(form.size)) if _preconditioned(snes)
-                 else snes.getFunction()[0].getArray(readonly=True))
-    form.last_norm = (form.grid.norm(imbalance) if form.in_displacements
-                      else form.displacement_norm(unknown, imbalance))
-    return form.last_norm
-
-
-def displacement_test(snes, iteration, norms, form):
-    """The convergence test by ``residual_norm``, where the norm of PETSc's own vector F is another.
-
-    Parameters
-    ----------
-    snes : SNES
-    iteration, norms : as PETSc gives them
-    form : of the equations
-    """
-    rtol, atol, stol, most = snes.getTolerances()
-    norm = measured(snes, form)
-    if not np.isfinite(norm):
-        return NOT_A_NUMBER
-    if iteration == 0:
-        form.first_norm = norm
-    if norm <= atol:
-        return PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS
-    if iteration and norm <= rtol * form.first_norm:
-        return PETSc.SNES.ConvergedReason.CONVERGED_FNORM_RELATIVE
-    return PETSc.SNES.ConvergedReason.ITERATING
