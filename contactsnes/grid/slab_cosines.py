@@ -9,7 +9,7 @@ import numpy as np
 from .cosines import along, closes, cosine_waves, gain_of
 from .counter import transform_cost
 from .filtering import Filtering
-from .slab_transform import SlabCircle, share
+from .slab_transform import Exchange, SlabCircle, share
 
 
 class SlabCosines(Filtering):
@@ -74,8 +74,8 @@ class SlabCosines(Filtering):
         self._blocks = [(row[:, part], block[begin:begin + size].reshape(mine, -1))
                         for row, block in zip(self.real, packed)
                         for part, begin, size in zip(columns, starts, sent) if size]
-        self._exchanges = [([block, (sent, starts)], [spectrum, got])
-                           for block, spectrum in zip(packed, self.spectrum)]
+        self._exchange = Exchange(comm, [([block, (sent, starts)], [spectrum, got])
+                                         for block, spectrum in zip(packed, self.spectrum)])
 
     def _aside(self, rows):
         """How much memory exchanges take that others make."""
@@ -102,9 +102,8 @@ class SlabCosines(Filtering):
         self._along_rows(False)
         for row, block in self._blocks:
             np.copyto(block, row)
-        for packed, spectrum in self._exchanges:
-            self._grid.comm.Alltoallv(packed, spectrum)
-        for _, (spectrum, _) in self._exchanges if self._empty.size else ():
+        self._exchange.send()
+        for _, (spectrum, _) in self._exchange.pairs if self._empty.size else ():
             spectrum[self._empty] = 0.0
         self._along_columns(False)
 
@@ -112,8 +111,7 @@ class SlabCosines(Filtering):
         """``spectrum`` to ``real``, times ``gain``."""
         self._grid.counter.add(*self._cost)
         self._along_columns(True)
-        for packed, spectrum in self._exchanges:
-            self._grid.comm.Alltoallv(spectrum, packed)
+        self._exchange.take()
         for row, block in self._blocks:
             np.copyto(row, block)
         self._along_rows(True)

@@ -42,6 +42,29 @@ def share(total, rank, size):
     return slice(first, first + each + (rank < more))
 
 
+class Exchange:
+    """What processes send each other of fields whose rows become columns, and back.
+
+    Parameters
+    ----------
+    comm : communicator (mpi4py)
+    pairs : of each field, what is sent and what comes, as `Alltoallv` takes them
+    """
+
+    def __init__(self, comm, pairs):
+        self._comm, self.pairs = comm, pairs
+
+    def send(self):
+        """Rows to columns."""
+        for packed, came in self.pairs:
+            self._comm.Alltoallv(packed, came)
+
+    def take(self):
+        """Columns to rows."""
+        for packed, came in self.pairs:
+            self._comm.Alltoallv(came, packed)
+
+
 class SlabTransform(Filtering):
     """A planned pair of real transforms of ``count`` arrays, with the interface of
     `cell.Transform`; ``real`` has this process's rows, ``spectrum`` its columns of waves.
@@ -101,8 +124,8 @@ class SlabTransform(Filtering):
         self._blocks = [(row[:, part], block[begin:begin + number].reshape(mine[1], -1))
                         for row, block in zip(self._half, packed)
                         for part, begin, number in zip(columns, starts, sent) if number]
-        self._exchanges = [([block, (sent, starts)], [spectrum, got])
-                           for block, spectrum in zip(packed, self.spectrum)]
+        self._exchange = Exchange(comm, [([block, (sent, starts)], [spectrum, got])
+                                         for block, spectrum in zip(packed, self.spectrum)])
 
     def _plan(self):
         """Plan rows and columns, as far as there are any here."""
@@ -146,14 +169,12 @@ class SlabTransform(Filtering):
             np.copyto(block, half)
         if self._empty.size:
             self.spectrum[:, self._empty] = 0.0
-        for packed, spectrum in self._exchanges:
-            self._grid.comm.Alltoallv(packed, spectrum)
+        self._exchange.send()
 
     def _from_columns(self):
         """Columns of waves of rows to ``real``."""
         self._grid.counter.add(*self._cost)
-        for packed, spectrum in self._exchanges:
-            self._grid.comm.Alltoallv(spectrum, packed)
+        self._exchange.take()
         for half, block in self._blocks:
             np.copyto(half, block)
         self._to_row()

@@ -11,7 +11,7 @@ from ..grid.cosines import closes, cosine_waves, gain_of
 from ..grid.counter import transform_cost
 from ..grid.fftw import pyfftw
 from ..grid.slab_cosines import SlabCosines
-from ..grid.slab_transform import share
+from ..grid.slab_transform import Exchange, share
 from . import structures
 from .library import shared
 from .lines import COLUMNS, Line, order_of, paired_line
@@ -147,7 +147,7 @@ class Shares:
     def __init__(self, comm, rows, fields, memory):
         (count, mine, width), own = fields.shape, comm.rank
         columns = [share(width, rank, comm.size) for rank in range(comm.size)]
-        self._comm, self._kept = comm, (fields, memory)
+        self._kept = fields, memory
         self._first = (ctypes.c_long * (comm.size + 1))(*(part.start for part in columns), width)
         widths = [part.stop - part.start for part in columns]
         here, self.used = widths[own], _used(rows)
@@ -166,18 +166,8 @@ class Shares:
         got = ([number * here * one for (_, number), (one, _) in zip(rows, others)],
                [real * here * (first - mine * after)
                 for (first, _), (_, after) in zip(rows, others)])
-        self._exchanges = [([block.view(kind), sent], [rows_.view(kind), got])
-                           for block, rows_ in zip(packed, came)]
-
-    def send(self):
-        """Rows that are packed to columns."""
-        for packed, came in self._exchanges:
-            self._comm.Alltoallv(packed, came)
-
-    def take(self):
-        """Columns to rows that are packed."""
-        for packed, came in self._exchanges:
-            self._comm.Alltoallv(came, packed)
+        self.exchange = Exchange(comm, [([block.view(kind), sent], [rows_.view(kind), got])
+                                        for block, rows_ in zip(packed, came)])
 
 
 class SlabFolded(OfLibrary):
@@ -250,7 +240,7 @@ class SlabFolded(OfLibrary):
         number = self.structure.shape[0]
         self._grid.counter.add(*self._cost)
         self.library.folded_rows(rows, shares, number, 0)
-        self._shares.send()
+        self._shares.exchange.send()
         self.library.folded_columns(columns, shares, response, symbol, self._used, transposed)
-        self._shares.take()
+        self._shares.exchange.take()
         self.library.folded_rows(rows, shares, number, 1)

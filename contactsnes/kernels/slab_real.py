@@ -10,7 +10,7 @@ import numpy as np
 from ..grid.counter import transform_cost
 from ..grid.fftw import pyfftw
 from ..grid.filtering import Filtering
-from ..grid.slab_transform import SlabTransform, share
+from ..grid.slab_transform import Exchange, SlabTransform, share
 from . import structures
 from .fftw import Rows
 from .library import shared
@@ -153,8 +153,8 @@ class SlabPacked(OfLibrary, Filtering):
         got = [number * here for _, number in self._rows]
         sent[comm.rank] = got[comm.rank] = 0
         places = [begin * here for begin, _ in self._rows]
-        self._exchanges = [([block, sent], [waves, (got, places)])
-                           for block, waves in zip(packed, self.spectrum)]
+        self._exchange = Exchange(comm, [([block, sent], [waves, (got, places)])
+                                         for block, waves in zip(packed, self.spectrum)])
 
     def _room(self, count, place, shape, kind):
         """An array (count, *shape) of memory that all transforms use in turn.
@@ -211,9 +211,7 @@ class SlabPacked(OfLibrary, Filtering):
         self.library.shared_rows(rows, shares, False)
         if self._empty.size:
             self.spectrum[:, self._empty] = 0.0
-        for packed, came in self._exchanges:
-            self._grid.comm.Alltoallv(packed, came)
+        self._exchange.send()
         self.library.shared_columns(columns, shares, response, symbol, transposed)
-        for packed, came in self._exchanges:
-            self._grid.comm.Alltoallv(came, packed)
+        self._exchange.take()
         self.library.shared_rows(rows, shares, True)
