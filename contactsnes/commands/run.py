@@ -107,7 +107,8 @@ class Run:
         history = [self.branch.restored(state) for state in archive.states()]
         self.waiting = 0 if self.settings.steps.at_fold == "trace" else unfinished_fold(history)
         self.branch.history = history  # all of them have to lie on the path
-        self.branch.history = history[:len(history) - self.waiting]
+        if self.waiting:
+            self.branch.history = history[:-self.waiting]
         return archive
 
     def follow(self):

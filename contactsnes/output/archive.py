@@ -10,9 +10,17 @@ import time
 
 import numpy as np
 
-from . import checksums, files, resuming, stored
+from . import checksums, resuming, stored
 from .columns import put_attributes
-from .files import FORMAT, ArchiveError, check_folder, check_new, resolved, safely
+from .files import (
+    FORMAT,
+    ArchiveError,
+    check_folder,
+    check_new,
+    check_unprotected,
+    resolved,
+    safely,
+)
 from .journal import BATCH, MOST, Journal, beside, next_key
 from .layout import Layout
 from .reading import read
@@ -230,7 +238,7 @@ class Archive:
         if self.complete:
             self.lacking = resuming.lacking(file, self._layout.fields, self._layout.columns)
             return
-        files.check_unprotected(self.path)
+        check_unprotected(self.path)
         self._check_layout(file)
         told = file.attrs.get("warnings", "").splitlines()
         self._warnings = "\n".join([*told, *(line for line in self._warnings.splitlines()
@@ -258,19 +266,17 @@ class Archive:
             self._refuse([("archive_precision", precision, self._layout.precision)])
         columns = sorted(set(file["branch"]) ^ set(self._layout.columns))
         if columns or tuple(file.attrs["shape"]) != self._layout.shape:
-            raise ArchiveError(f"{self.path} cannot be resumed: its columns or "
-                               "its grid are not those of this run "
-                               f"({', '.join(columns) or self._layout.shape}); name another "
-                               "-archive_file.")
+            raise ArchiveError(f"{self.path} cannot be resumed: its columns or its grid are not "
+                               f"those of this run ({', '.join(columns) or self._layout.shape}); "
+                               "name another -archive_file.")
         if "mode" in file.get("fields", ()) and "mode" not in self._layout.arrays:
             self._layout.arrays = (*self._layout.arrays, "mode")
 
     def _refuse(self, differences):
         """Raise for the first of some differences, (name, there, here)."""
         for name, old, new in differences:
-            raise ArchiveError(f"{self.path} cannot be resumed: {name} is "
-                               f"{old} there and {new} here; name another "
-                               "-archive_file, or replace this one with "
+            raise ArchiveError(f"{self.path} cannot be resumed: {name} is {old} there and {new} "
+                               "here; name another -archive_file, or replace this one with "
                                "-archive_overwrite.")
 
     def _write_frame(self, file, slot, chunk):
