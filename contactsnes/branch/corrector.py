@@ -269,9 +269,13 @@ class Corrector:
         return self._balanced[1]
 
     def covers(self, form, state, snes):
-        """Whether every node outside the window of a state that a form and a SNES led to is
-        certainly out of the law's range: the residual of some nodes tells of the whole cell."""
-        some = isinstance(state.window, Nodes)
+        """Whether all nodes outside a state's window are certainly out of the law's range.
+
+        Parameters
+        ----------
+        form, state, snes : the state, and the form and SNES that led to it
+        """
+        some = isinstance(state.window, Nodes)  # whose residual tells of the whole cell
         closest = self._imbalance(form, state, snes).closest if some else None
         return states.covers(self.contact, state, closest)
 
