@@ -320,10 +320,10 @@ def test_the_packages_laws_pass_what_is_asked_of_ones_own(cls):
 
 
 def test_help_tells_of_the_options_of_a_law_in_a_file(written, monkeypatch):
-    from contactsnes.commands import cli
+    from contactsnes.commands import cli, session
 
-    monkeypatch.setattr(cli, "told", lambda text: text)
-    monkeypatch.setattr(cli, "begin_petsc", lambda words: None)
+    monkeypatch.setattr(session, "told", lambda text: text)
+    monkeypatch.setattr(session, "begin_petsc", lambda words: None)
     assert "-scene_drag_strength" in cli.info(["-scene_law", written(), "-help"])
     assert "-scene_law" in cli.info(["nowhere.opts", "-help"])
 
