@@ -322,6 +322,35 @@ def test_profiles_are_those_of_the_chosen_points_near_the_contact(tmp_path):
     assert -12 < left < -6.3 and 6.3 < right < 12
 
 
+@pytest.mark.parametrize("gaps", [[-0.2, -0.1], [-0.05, -0.05], [0.0, 0.0], [-3.0, -2.99]])
+@pytest.mark.parametrize("dimension", (1, 2))
+def test_gaps_of_bodies_that_are_pressed_everywhere_are_within_their_axis(tmp_path, gaps,
+                                                                          dimension):
+    x = np.arange(-8, 8) * 1.0
+    wave = np.broadcast_to(np.cos(2 * np.pi * x / 16), dimension * (16,)).T
+    gap = np.mean(gaps) + np.ptp(gaps) / 2 * wave
+    row = dict(normal_force=1.0, contact_area=16.0)
+    archive_of(tmp_path / "run.h5", [(row, (np.array([gap]), np.array([gap - 0.1])))], "all",
+               coordinates=dimension * (x,), components=1, initial_gap=0 * gap)
+    record = read(tmp_path / "run.h5")
+    low, high = profiles.draw_profiles(record, [0]).axes[0].get_ylim()
+    assert low < np.min(gap) and np.max(gap) < high
+    _, ceiling = data.contact_region(record.coordinates, [gap], [gap - 0.1])
+    assert ceiling == np.max(gap)
+    if dimension == 2:
+        image, *_ = maps.draw_maps(record, [0]).axes[0].images
+        assert image.norm.vmin <= np.min(gap) and np.max(gap) <= image.norm.vmax
+        assert image.norm.vmax - image.norm.vmin > 1e-3 * np.max(np.abs(gap))
+
+
+def test_the_rim_of_a_contact_without_adhesion_is_in_its_profile(tmp_path):
+    """Where nothing attracts, gaps at which tractions act are all overlaps."""
+    x = np.linspace(-4, 4, 81)
+    gap = 0.1 * (x**2 - 4)
+    _, ceiling = data.contact_region((x,), [gap], [np.minimum(gap, 0)])
+    assert 0.1 < ceiling < np.max(gap)
+
+
 def test_points_are_chosen_among_those_stored(tmp_path):
     line_archive(tmp_path / "run.h5", [jkr(3), *shear(count=10)])
     record = read(tmp_path / "run.h5")
@@ -668,6 +697,26 @@ def test_maps_in_motion_have_the_ends_of_pressure_and_attraction_at_their_bar(tm
     told = [[text.get_text() for text in axes.get_xticklabels()] for axes in scenes.figure.axes]
     ends = [words.number(end(pressures), 2) for end in (np.min, np.max)]
     assert [ends[0], "0", ends[1]] in told
+
+
+def test_numbers_at_bars_of_maps_in_motion_are_few(tmp_path):
+    x = np.arange(-24, 24) / 5
+    radius = np.hypot(x[:, None], x[None, :])
+    fields = np.array([3 + 0 * radius]), np.array([0.155 * np.exp(-radius**2 / 2)])
+    archive_of(tmp_path / "run.h5", [(dict(normal_force=-1.0), fields)], "all",
+               coordinates=(x, x), components=1, initial_gap=radius**2 / 2)
+    record = read(tmp_path / "run.h5")
+    with rc_context(style.STYLE):
+        scenes = movie._scenes(record, MovieOptions())
+        scenes.figure.canvas.draw()
+        bars = [axes for axes in scenes.figure.axes if axes.get_label() == "<colorbar>"]
+        assert len(bars) == 2
+        for axes in bars:
+            left, right = axes.get_xlim()
+            boxes = [label.get_window_extent() for label, place
+                     in zip(axes.get_xticklabels(), axes.get_xticks()) if left <= place <= right]
+            assert 1 < len(boxes) < 5
+            assert all(one.x1 < other.x0 for one, other in zip(boxes, boxes[1:]))
 
 
 def test_no_label_of_the_figure_of_a_surface_is_cut(tmp_path):

@@ -73,6 +73,25 @@ def varies(values):
     return np.ptp(values) > 1e-6 * np.max(np.abs(values))
 
 
+def padded(low, high, part):
+    """Limits of an axis around values from low to high: apart by a part of their range or, where
+    they do not differ, of their size.
+
+    Parameters
+    ----------
+    low, high : float, unit of the axis
+    part : float
+    """
+    margin = part * (high - low if varies([low, high]) else abs(low) or 1.0)
+    return low - margin, high + margin
+
+
+def spread(low, high):
+    """Limits of colours for values from low to high: these or, where they differ by rounding alone,
+    some around them."""
+    return (low, high) if varies([low, high]) else padded(low, high, 0.1)
+
+
 def choose_points(record, points):
     """Points of profiles and maps: those asked for, or events, begin, end, and some between, of the
     sheared part."""
@@ -135,7 +154,7 @@ def fields(record, chosen, kind="f8"):
 
 def contact_region(coordinates, gaps, tractions):
     """Limits in each direction of where the law acts, with a margin, and a gap above which it does
-    not.
+    not: half of what is below it higher, the largest gap where there is no such place.
 
     Parameters
     ----------
@@ -143,17 +162,18 @@ def contact_region(coordinates, gaps, tractions):
     gaps, tractions : lists of arrays over the nodes, one a point: gap and normal traction
     """
     peak = max(max(-np.min(traction), np.max(traction)) for traction in tractions)
-    acts, ceiling = np.zeros(gaps[0].shape, bool), -np.inf
+    acts, highest = np.zeros(gaps[0].shape, bool), -np.inf
     for gap, traction in zip(gaps, tractions):
         here = np.abs(traction) > 1e-2 * peak if peak > 0 else np.ones(gap.shape, bool)
         acts |= here
-        ceiling = np.max(gap, where=here, initial=ceiling)
+        highest = np.max(gap, where=here, initial=highest)
     limits = []
     for axis, x in enumerate(coordinates):
         inside = x[np.any(acts, axis=tuple(other for other in range(acts.ndim) if other != axis))]
         margin = 0.2 * (inside[-1] - inside[0]) + 2 * (x[1] - x[0])
         limits.append((max(inside[0] - margin, x[0]), min(inside[-1] + margin, x[-1])))
-    return limits, 1.5 * ceiling
+    ceiling = highest + 0.5 * (highest - min(0.0, *map(np.min, gaps)))
+    return limits, min(ceiling, max(map(np.max, gaps)))
 
 
 def inside(coordinates, limits):

@@ -10,7 +10,7 @@ from matplotlib.colors import Normalize, TwoSlopeNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from .data import contact_region, fields, need_plane
+from .data import contact_region, fields, need_plane, spread
 from .style import WIDTH
 from .words import label, names, number
 
@@ -80,7 +80,7 @@ def rows(record, gaps, tractions, ceiling):
               for traction in tractions]
     units = record.units["traction"].split("; ")
     found = [Row("gap", "g_n", record.units["initial_gap"], gaps, "cividis",
-                 Normalize(np.min(gaps), ceiling)),
+                 Normalize(*spread(np.min(gaps), ceiling))),
              Row("pressure", "-p_n", units[0], pressures, *pressure_colours(pressures))]
     if np.max(shears) > 0:
         found.append(Row("shear", "|p_t|", units[-1], shears, "viridis",
@@ -103,10 +103,16 @@ def draw_row(figure, line, record, row, gaps):
         image = draw_map(axes, record.coordinates, value, row.colormap, row.norm)
         draw_edge(axes, edge(record.coordinates, gap, record.contact_gap))
     bar = figure.colorbar(image, ax=list(line), label=label(row.text, row.symbol, row.unit, "\n"),
-                          aspect=14, extend="max" if row.text == "gap" else "neither")
+                          aspect=14, extend=beyond(row))
     if isinstance(row.norm, TwoSlopeNorm):
         norm = row.norm
         mark_bar(bar, (norm.vmin, norm.vmin / 2, 0, norm.vmax / 2, norm.vmax))
+
+
+def beyond(row):
+    """At which end of the bar of colours of a row its values go on: that of the largest, or none,
+    in words of matplotlib."""
+    return "max" if np.max(row.values) > row.norm.vmax else "neither"
 
 
 def mark_bar(bar, ticks):

@@ -15,9 +15,18 @@ from matplotlib.figure import Figure
 from ..files import ArchiveError, check_output
 from ..prefixes import read
 from ..tables import replaced
-from .data import NothingToShow, along_load, contact_region, fields, free_of_rounding, inside, shear
+from .data import (
+    NothingToShow,
+    along_load,
+    contact_region,
+    fields,
+    free_of_rounding,
+    inside,
+    padded,
+    shear,
+)
 from .encoding import ending, write_gif, write_mp4
-from .maps import draw_edge, draw_map, edge, mark_bar, rows
+from .maps import beyond, draw_edge, draw_map, edge, mark_bar, rows
 from .parts import draw_branch
 from .profiles import panels, zoom
 from .style import STYLE, ZERO, settings
@@ -156,8 +165,7 @@ def _line(record, points, width):
     for axes, panel in zip(stack, shown):
         curves += axes.plot(x, panel.values[0], color="C0")
         axes.axhline(0, **ZERO)
-        low, high = np.min(panel.values), np.max(panel.values)
-        axes.set_ylim(low - 0.06 * (high - low), high + 0.06 * (high - low) or 1.0)
+        axes.set_ylim(padded(np.min(panel.values), np.max(panel.values), 0.06))
         axes.set_ylabel(label(panel.text, panel.symbol, panel.unit, "\n"))
         axes.tick_params(labelbottom=axes is stack[-1])
     zoom(stack, x, gaps, [traction[0] for traction in tractions])
@@ -222,9 +230,11 @@ def _plane(record, points, width):
         axes.xaxis.set_major_locator(matplotlib.ticker.MaxNLocator(5))
         bar = figure.colorbar(images[-1], ax=axes, location="top", aspect=25,
                               label=label(row.text, row.symbol, row.unit),
-                              extend="max" if row.text == "gap" else "neither")
+                              extend=beyond(row))
         if isinstance(row.norm, TwoSlopeNorm):
             mark_bar(bar, (row.norm.vmin, 0, row.norm.vmax))
+        else:
+            bar.locator = matplotlib.ticker.MaxNLocator(3, steps=[1, 2, 5, 10])
         # Outside of the map, which is drawn anew for each point.
         axes.tick_params(labelleft=axes is stack[0], direction="out", top=False, right=False)
     stack[0].set_ylabel(label("", "y", record.units["y"]))

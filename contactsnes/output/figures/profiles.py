@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from .data import contact_region, directions, fields
+from .data import contact_region, directions, fields, padded
 from .parts import place_legend
 from .style import WIDTH, ZERO, colours
 from .words import label, names, tangential
@@ -95,4 +95,5 @@ def zoom(stack, x, gaps, tractions):
     (window,), ceiling = contact_region((x,), gaps, tractions)
     stack[0].set_xlim(window)
     floor = min(map(np.min, gaps))
-    stack[0].set_ylim(floor - 0.1 * (ceiling - floor), ceiling)
+    low, high = padded(floor, ceiling, 0.1)
+    stack[0].set_ylim(low, ceiling if max(map(np.max, gaps)) > ceiling else high)

@@ -4,7 +4,7 @@ import numpy as np
 from contourpy import contour_generator
 
 from ..extras import extra
-from ..figures.data import contact_region
+from ..figures.data import contact_region, padded, spread
 from ..figures.profiles import panels
 from .curves import title_of
 from .words import symbol
@@ -119,9 +119,8 @@ def _profiles(record, axes, gaps, tractions, ceiling):
         figure.add_trace(trace, row=row, col=1)
         low, high = np.min(panel.values), np.max(panel.values)
         low, high = (low, min(high, ceiling)) if row == 1 else (low, high)
-        margin = 0.06 * (high - low) or 1.0
         figure.update_yaxes(title_text=f"{panel.text} ({symbol(panel.unit)})", row=row, col=1,
-                            range=[low - margin, high + margin])
+                            range=padded(low, high, 0.06))
     figure.update_xaxes(title_text=f"x ({symbol(record.units['x'])})", row=len(shown), col=1)
     figure.update_layout(height=180 * len(shown) + 200)
     return figure, frames
@@ -134,7 +133,8 @@ def _maps(record, axes, gaps, tractions, ceiling):
     shears = [np.hypot.reduce(traction[1:]) if len(traction) > 1 else 0.0 * traction[0]
               for traction in tractions]
     units = record.units["traction"].split("; ")
-    shown = [("gap", record.units["initial_gap"], gaps, "Cividis", (float(np.min(gaps)), ceiling)),
+    shown = [("gap", record.units["initial_gap"], gaps, "Cividis",
+              spread(float(np.min(gaps)), float(ceiling))),
              ("pressure", units[0], [-traction[0] for traction in tractions], "RdBu_r", None),
              ("tangential traction", units[-1], shears, "Viridis", None)]
     shown = shown if np.max(shears) > 0 else shown[:2]
