@@ -70,6 +70,7 @@ class Run:
         self.archive, self.nothing = None, 0.0
         self.waiting = 0
         self.known = 0
+        self.ended = False
         self.unread = []
         if settings.output.file:
             self.archive = self._open_archive()
@@ -204,6 +205,7 @@ class Run:
             error = error.__cause__  # newer petsc4py wraps what our callbacks raise
         early = self.progress.points == 0
         if isinstance(error, (NotConverged, NoEquilibrium, ArchiveError)):
+            self.ended = isinstance(error, NoEquilibrium)
             return 1, str(error)
         if isinstance(error, MemoryError):
             return (2 if early else 1, f"there is not enough memory ({error}): take "
@@ -270,4 +272,5 @@ class Run:
         if not (self.archive and self.archive.points):
             return ""
         points = f"{self.archive.points} points are" if self.archive.points > 1 else "1 point is"
-        return f"; {counted}{points} in {self.archive.path}, -archive_resume goes on from there"
+        again = "" if self.ended else ", -archive_resume goes on from there"
+        return f"; {counted}{points} in {self.archive.path}{again}"

@@ -73,6 +73,16 @@ def split(specification):
     return filename, Path(filename).suffix.lower(), dataset
 
 
+def _datasets(file):
+    """Names of the datasets of an HDF5 file, in groups, too, a dozen at most."""
+    from ..system.hdf5 import h5py
+
+    found = []
+    file.visititems(lambda name, item: found.append(name) if isinstance(item, h5py.Dataset)
+                    else None)
+    return ", ".join(found[:12]) + (", ..." if len(found) > 12 else "") or "none"
+
+
 def _read_dataset(filename, dataset):
     """A dataset of an HDF5 file."""
     from ..system.hdf5 import h5py  # needed for this kind of file only
@@ -81,7 +91,7 @@ def _read_dataset(filename, dataset):
         if not isinstance(file.get(dataset or "/"), h5py.Dataset):
             named = f"'{dataset}'" if dataset else "in the name"
             raise ValueError(f"there is no dataset {named}; write FILE.h5:dataset, "
-                             f"at the top level there are: {', '.join(file) or 'none'}")
+                             f"there are: {_datasets(file)}")
         return stored(filename, dataset, file[dataset])
 
 

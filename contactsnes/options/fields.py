@@ -142,7 +142,9 @@ def _shown(value, items, rule):
         return f"'{text}', a list"
     if not text or rule["kind"] == "text":
         return f"'{text}'"
-    told = {str: "text", bytes: "bytes", float: "a number with a decimal point"}
+    told = {str: "text", bytes: "bytes"}
+    if rule["kind"] == "integer":
+        told[float] = "a number with a decimal point"
     for item in items:
         kind = told.get(type(item), "")
         if kind and _is_typed(as_text(item), rule):

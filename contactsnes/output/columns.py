@@ -47,7 +47,7 @@ class Column(NamedTuple):
     def number(self, name, value):
         """A value as a number that the column holds, of an enumeration from a name, too;
         ArchiveError for one that it does not."""
-        if isinstance(value, str):
+        if isinstance(value, str) and self.names:
             if value not in self.names:
                 raise ArchiveError(f"{name} cannot be {value!r}; it can be one of {self.names}.")
             return self.names.index(value)
@@ -65,6 +65,11 @@ class Column(NamedTuple):
                                + (f"numbers from 0 to {len(self.names) - 1}" if self.names else
                                   f"numbers of NumPy's type {self.stored}"))
         return value
+
+
+def option_of(name):
+    """The option that asks for a column; '' where every run writes it."""
+    return next((option for start, option in ASKED.items() if name.startswith(start)), "")
 
 
 def instead(name, known, shown=None):

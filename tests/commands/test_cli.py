@@ -306,6 +306,8 @@ def test_tension_beyond_pull_off_has_no_equilibrium(tmp_path):
     record = reading.read(tmp_path / "run.h5")
     assert (done.returncode == 1 and "no equilibrium" in done.stderr
             and "Traceback" not in done.stderr), done.stderr
+    # where it would end again
+    assert done.stderr.endswith("run.h5\n") and "-archive_resume" not in done.stderr
     assert (record["event"][-1] == "fold" and record["fold_kind"][-1] == "pull_off"
             and not record.complete)
 

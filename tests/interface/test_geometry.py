@@ -128,7 +128,7 @@ def test_unknown_suffix(tmp_path, specification):
 @pytest.mark.parametrize("dataset", ("", ":", ":profile", ":scan", ":scan/profile"))
 def test_missing_dataset(tmp_path, dataset):
     write(tmp_path / "a.h5", np.zeros(8))
-    with pytest.raises(ValueError, match="there is no dataset .* there are: scan"):
+    with pytest.raises(ValueError, match="there is no dataset .* there are: scan/heights"):
         read_heights(f"{tmp_path}/a.h5{dataset}", (8,))
 
 

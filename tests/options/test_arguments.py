@@ -168,6 +168,7 @@ def test_threads_take_turns():
     ({"points": 64.0}, "-scene_points is '64', a number with a decimal point: allowed is "),
     ({"points": np.float64(64)}, "-scene_points is '64', a number with a decimal point: "),
     ({"period": "20"}, "-scene_period is '20', text: allowed is a number above 0"),
+    ({"period": (1.0, 2.0, 3.0)}, "-scene_period is '1,2,3': allowed is a number above 0"),
     ({"period": b"20"}, "-scene_period is 'b'20'': allowed is a number above 0"),
     ({"normal_maugis": [1.0]}, "-scene_normal_maugis is '1', a list: allowed is a number"),
     ({"qqq": 1}, "qqq is no option of Scene: it has "),

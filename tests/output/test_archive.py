@@ -390,6 +390,8 @@ def test_finish_after_resuming_changes_nothing_else(tmp_path):
                            "normal_force=1 here"), (dict(columns={"leg": Column("", "i8")}),
                                                     r"columns or its grid .*contact_area, event, "
                                                     r"normal_force\)"),
+                          (dict(columns={**COLUMNS, "error_slip": Column("relative")}),
+                           "-archive_errors is not given there and given here; take what is there"),
                           (dict(fields="all", coordinates=(X,)), "archive_fields is none "
                            "there and all here"),],)
 def test_an_archive_of_another_run_is_not_resumed(tmp_path, changed, message):
@@ -572,6 +574,7 @@ def test_wrong_points_are_refused_and_leave_no_trace(tmp_path):
     for wrong, message in [
         (({"leg": 1}, state, field, traction), "one value for each column.*contact_area"),
         (({**row, "event": "sliding"}, state, field, traction), "event cannot be 'sliding'"),
+        (({**row, "contact_area": "2"}, state, field, traction), "contact_area is '2': a row has"),
         ((row, {"parent": None}, field, traction), "parent'"),
         ((row, state, field[0], traction), r"displacement has the shape \(32,\)"),
         ((row, state), r"displacement has the shape \(\)"),
