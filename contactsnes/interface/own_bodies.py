@@ -83,6 +83,10 @@ def _untouched(body, name, q, named):
     if not np.array_equal(given, q):
         raise InputError(f"{named}: its {name} writes into the wave numbers that it is "
                          "given, which others go on with: work on a copy of them")
+    if not isinstance(found, Surface):
+        raise InputError(f"{named}: its {name} returns a {type(found).__name__} in place of a "
+                         f"Surface({', '.join(Surface._fields)}), which "
+                         "contactsnes.interface.elasticity has")
     return found
 
 

@@ -189,6 +189,9 @@ def test_a_body_of_ones_own():
     ({"rigid_compliance": 0.0}, "cannot be evaluated .TypeError"),
     ({"local_compliance": (-1.0, 0.0)}, "local_compliance is .-1.0, 0.0.: both have to be from 0"),
     ({"surface": lambda self, q: q.no_such}, "cannot be evaluated .AttributeError"),
+    ({"surface": lambda self, q: (2 / q, 2 / q, 2 / q, 0 * q)},
+     r"its surface returns a tuple in place of a Surface\(normal, longitudinal, transverse, coupl"),
+    ({"surface_stiffness": lambda self, q: None}, "its surface_stiffness returns a NoneType"),
     # at one of the grid's own waves
     ({"surface": lambda self, q: Surface(np.where(abs(q - 0.942478) < 1e-6, -1, 2 / q), 2 / q,
                                          2 / q, 0 * q)},
