@@ -11,7 +11,7 @@ import time
 import numpy as np
 
 from . import checksums, resuming, stored
-from .columns import option_of, put_attributes
+from .columns import asked_differently, put_attributes
 from .files import (
     FORMAT,
     ArchiveError,
@@ -265,9 +265,7 @@ class Archive:
         if kept != "none" and precision != self._layout.precision:
             self._refuse([("archive_precision", precision, self._layout.precision)])
         columns = sorted(set(file["branch"]) ^ set(self._layout.columns))
-        self._refuse((option_of(name), *(("not given", "given")[name in known] for known in
-                                         (file["branch"], self._layout.columns)))
-                     for name in columns if option_of(name))
+        self._refuse(asked_differently(file["branch"], self._layout.columns))
         if columns or tuple(file.attrs["shape"]) != self._layout.shape:
             raise ArchiveError(f"{self.path} cannot be resumed: its columns or its grid are not "
                                f"those of this run ({', '.join(columns) or self._layout.shape}); "
@@ -279,8 +277,7 @@ class Archive:
         """Raise for the first of some differences, (name, there, here)."""
         for name, old, new in differences:
             raise ArchiveError(f"{self.path} cannot be resumed: {name} is {old} there and {new} "
-                               "here; take what is there, name another -archive_file, or replace "
-                               "this one with -archive_overwrite.")
+                               "here; take that, another -archive_file, or -archive_overwrite.")
 
     def _write_frame(self, file, slot, chunk):
         """Everything but the points."""

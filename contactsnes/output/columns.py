@@ -67,9 +67,13 @@ class Column(NamedTuple):
         return value
 
 
-def option_of(name):
-    """The option that asks for a column; '' where every run writes it."""
-    return next((option for start, option in ASKED.items() if name.startswith(start)), "")
+def asked_differently(there, here):
+    """Options that ask for columns which only one of two mappings of columns has: (option, how it
+    is there, how it is here)."""
+    asked = [{option for start, option in ASKED.items()
+              if any(name.startswith(start) for name in known)} for known in (there, here)]
+    return [(option, *(("not given", "given")[option in known] for known in asked))
+            for option in sorted(asked[0] ^ asked[1])]
 
 
 def instead(name, known, shown=None):
