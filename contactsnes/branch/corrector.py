@@ -131,11 +131,10 @@ class Corrector:
         return self.symmetry.centred(state)
 
     def form_on(self, guess, controls):
-        """The form on the guess's window, as of `bare_form`, with its SNES, which is kept with
-        it."""
+        """The form on the guess's window, as of `bare_form`, with its SNES, kept as it is."""
         form = self.bare_form(guess, controls)
         if self.snes is None:
-            self.make_room(form)
+            self.make_room()
             self.snes = create_snes(form, self.prefix, self.tolerance,
                                     pays(form, self.settings.linear_precision))
             self.patience.watch(self.snes, self.contact)
@@ -161,12 +160,12 @@ class Corrector:
             self.form.even = self.symmetry.plain(len(controls))
         return self.form
 
-    def make_room(self, form):
-        """Give back the SNES of a large form, with the arc length or without: there is one at a
-        time, since each takes as much memory as the form."""
-        if large(form):
+    def make_room(self, whole=False):
+        """Give back a large form's SNES, with the arc length or without, and, as a ``whole``, the
+        form: each takes as much memory as what comes next."""
+        if self.form is not None and large(self.form):
             self.snes = self.arc = None
-            collect(True)
+            self.release() if whole else collect(True)
 
     def release(self):
         """Give back the form and its SNES, whose memory others take, until a solve asks for

@@ -248,7 +248,7 @@ class Tracer(Corrector, Neighbours, Ends):
         aim = leg.start, leg.direction, first, row, length, border[1]
         if self.arc is None or self.arc[0].form is not form:
             if own:
-                self.make_room(form)
+                self.make_room()
             arc = ArcLength(form, *aim)
             quick = pays(form, self.settings.linear_precision)
             self.arc = arc, create_snes(arc, "" if own else "arc_",

@@ -27,10 +27,8 @@ BESIDE = 5.0
 begins in balance."""
 
 RESTS = (1e-6, 1e-8, 1e-10)
-"""Speeds at which Newton's method takes over from a motion, the next if that leads elsewhere.
-
-Ranges a relaxation time.
-"""
+"""Speeds at which Newton's method takes over from a motion, the next if that leads elsewhere,
+ranges a relaxation time."""
 
 SLOWED = 0.05
 """Part of the largest speed that a `rough` motion has had at which Newton's method tries to take
@@ -72,6 +70,7 @@ def settle(system, state, controls, load, where, origin=None):
         raise NotConverged(
             f"the motion {where} cannot begin: its start holds NaN or infinite values")
     options, state = read(MotionOptions), states.with_components(state, len(controls))
+    system.make_room(whole=True)
     if options.type != "overdamped" or not has_modes(system.settings):
         return inertial(system, state, controls, load, where, options)
     try:

@@ -14,6 +14,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from ..contact import places, scattered, states
+from ..contact.state import weighted
 from ..continuation.points import lagrange_weights
 from ..grid.cell import Convolution
 from ..options.fields import Options, option
@@ -21,6 +22,7 @@ from ..solvers.vectors import collect
 from .control import CAREFUL, MANY, Exactness, control
 from .endings import Circling, Leaving, Rounds, Unsettled
 from .outside import Outside
+from .step_works import step_works
 from .viscous import Equations, backward_formula
 
 RESTING = 1e-6
@@ -54,14 +56,19 @@ class MotionOptions(Options):
 
 
 class Moment(NamedTuple):
-    """The unknown of the equations at a time, tau, gap and tractions of the law (components,
-    nodes)."""
+    """The unknown of the equations at a time, tau, and of the last one gap and tractions of the law
+    (components, nodes)."""
 
     time: float
     unknown: np.ndarray
     elastic: np.ndarray
-    gap: np.ndarray
-    traction: np.ndarray
+    gap: np.ndarray = None
+    traction: np.ndarray = None
+
+    @property
+    def before(self):
+        """What is kept of it behind a later one."""
+        return Moment(self.time, self.unknown, self.elastic)
 
 
 class OverdampedMotion:
@@ -158,8 +165,11 @@ class OverdampedMotion:
             if self.measured:
                 self._account(moment, step)
             change = moment.unknown - self.history[-1].unknown
-            self.history, self._near = [*self.history[-2:], moment], self.equations.near(moment.gap)
-            moved = self.equations.size(change, self._near)
+            self.history = [*(known.before for known in self.history[-2:]), moment]
+            self._near = self.equations.near(moment.gap)
+            moved, velocity = (self.equations.size(change, self._near),
+                               self.equations.form.scalars(change) / step)
+            del change  # its memory is the next step's
             last, speed = speed, moved / step
             self.fastest = max(self.fastest, speed)
             slow = max(rest, part * self.fastest)
@@ -168,7 +178,7 @@ class OverdampedMotion:
             if covered and calm:
                 self._next = step
                 return
-            self._check_end(moment, self.equations.form.scalars(change) / step, moved)
+            self._check_end(moment, velocity, moved)
             step *= min(2.0, 0.9 * max(error, 1e-3) ** (-1.0 / 3.0))
             if not covered:
                 self._widen()
@@ -212,17 +222,15 @@ class OverdampedMotion:
         times = [moment.time - now.time for moment in history[-2:]]
         shift, weights = backward_formula(times, step)
         guess = self._predicted(step)
-        known, elastic = (sum(weight * value for weight, value in zip(weights, values))
-                          for values in zip(*((moment.unknown, moment.elastic)
-                                              for moment in history[-2:])))
         before = equations.spent()
-        unknown, reason = equations.newton(guess, shift, known, self._exactness)
+        unknown, reason = equations.newton(guess, shift, weighted(
+            [moment.unknown for moment in history[-2:]], weights), self._exactness)
         self.steps += 1
         for name, count in equations.spent().items():
             self.totals[name] += count - before[name]
         if reason <= 0 or self.contact.grid.any(~np.isfinite(unknown)):
             return np.inf, None
-        aside, share = unknown - guess, 0.2 if len(history) > 2 else 0.5
+        aside, share = np.subtract(unknown, guess, out=guess), 0.2 if len(history) > 2 else 0.5
         moved = equations.size(unknown - now.unknown, self._near)
         turned = equations.size(aside, self._near) / max(moved, allowed.still)
         error = max(share * equations.size(aside, self._near, relative=True) / tolerance,
@@ -231,8 +239,10 @@ class OverdampedMotion:
         gap = equations.gap(unknown)
         traction = self.contact.law.traction(gap)
         # The same formula for tau' = t - tau.
-        return error, Moment(now.time + step, unknown, (traction + elastic) / (1.0 + shift), gap,
-                             traction)
+        elastic = weighted([moment.elastic for moment in history[-2:]], weights)
+        elastic += traction
+        elastic /= 1.0 + shift
+        return error, Moment(now.time + step, unknown, elastic, gap, traction)
 
     def _predicted(self, step):
         """The unknown after a step by the parabola through the last three, or less where the motion
@@ -241,34 +251,11 @@ class OverdampedMotion:
         if len(self.history) == 1:
             return now.unknown + step * self.rate
         weights = lagrange_weights([moment.time for moment in self.history], now.time + step)
-        return sum(weight * moment.unknown for weight, moment in zip(weights, self.history))
+        return weighted([moment.unknown for moment in self.history], weights)
 
     def _account(self, moment, step):
-        """Add the works of a step to ``moment`` from the last one, by Simpson's rule on the
-        parabola through the last moments."""
-        equations, last = self.equations, self.history[-1]
-        grid = equations.form.grid
-        # rates in the middle, and what they differ by at either end
-        rates = [(moment.unknown - last.unknown) / step, (moment.elastic - last.elastic) / step]
-        bends = [np.zeros_like(rate) for rate in rates]
-        if len(self.history) > 1:
-            first = self.history[-2]
-            apart, share = last.time - first.time, step / (moment.time - first.time)
-            bends = [(rate - (here - there) / apart) * share for rate, here, there in
-                     zip(rates, (last.unknown, last.elastic), (first.unknown, first.elastic))]
-        (speed, creep), (bend, creep_bend) = rates, bends
-        middle = 0.5 * (last.unknown + moment.unknown) - 0.25 * step * bend
-        velocity, turn = equations.displacement(speed), equations.displacement(bend)
-        tractions = last.traction + 4.0 * equations.traction(middle) + moment.traction
-        self.works[0] += step / 6.0 * grid.sum(tractions * velocity
-                                               + (moment.traction - last.traction) * turn)
-        moving, means, bent = (equations.moving, equations.form.scalars(speed),
-                               equations.form.scalars(bend))
-        velocity[moving] -= means[:, None]
-        turn[moving] -= bent[:, None]
-        self.works[1] -= step * grid.sum(creep * velocity + creep_bend * turn / 3.0)
-        self.works[1, moving] += (step * self.contact.grid.size * equations.mass
-                                  * (means ** 2 + bent ** 2 / 3.0))
+        """Add the works of a step to ``moment`` from the last one."""
+        self.works += step_works(self.contact, self.equations, self.history, moment, step)
 
     def _extended(self):
         """Displacement over the cell (components, *grid): m - C tau off the window."""

@@ -328,6 +328,28 @@ def test_a_grid_holds_no_form_while_motion_is_on_a_coarser_one(heights, tmp_path
     assert len(given) > 2 and not any(given)
 
 
+@pytest.mark.parametrize("large", [True, False])
+def test_a_motion_has_the_memory_of_a_large_form(heights, tmp_path, monkeypatch, large):
+    """On its own grid, too, and it keeps of moments behind the last one what its steps need."""
+    monkeypatch.setattr(krylov, "LARGE", 1000 if large else 10 ** 6)
+    follow, held = jumps.OverdampedMotion.follow, []
+
+    def followed(motion, *given):
+        held.append(system.form)
+        follow(motion, *given)
+        held.extend(moment.gap is None and moment.traction is None
+                    for moment in motion.history[:-1])
+
+    monkeypatch.setattr(jumps.OverdampedMotion, "follow", followed)
+    system = branch_of(heights(64), tmp_path / "heights.npy").corrector
+    controls, load = (DISPLACEMENT,), np.array([START])
+    state = states.undeformed(system.contact, controls, load)
+    begin = system.solve(state, controls, load, COLD)
+    end = jumps.settle(system, begin.state, controls, load + 0.01, "there")
+    assert (held[0] is None) is large and held[1:3] == [True, True]
+    assert end.residual_norm <= 1e-8
+
+
 @pytest.mark.parametrize("norms, reason", [
     ([1.0, 0.8], "DIVERGED_DTOL"), ([1.0, 0.6], "ITERATING"), ([1.0, 0.6, 0.55], "DIVERGED_DTOL"),
     ([1.0, 0.1, 0.2, 0.09], "ITERATING"), ([1.0, 0.1, 0.2, 0.11], "DIVERGED_DTOL"),
