@@ -10,7 +10,7 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import LogLocator, NullFormatter
+from matplotlib.ticker import LogFormatter, LogLocator
 
 from ..output.figures.printed import PAGE, PRINTED
 from ..output.figures.style import saved
@@ -80,8 +80,9 @@ def _styles(records, shown):
         shades = matplotlib.colormaps[hue](np.linspace(0.95, 0.45, len(names)))
         for number, (name, shade) in enumerate(zip(names, shades)):
             styles[name] = family, dict(color=shade, linestyle=LINES[number % len(LINES)],
-                                        linewidth=2.0 if name == "newton" else 1.1, zorder=4
-                                        if name == "newton" else 3)
+                                        linewidth=2.0 if name == "newton" else 1.1,
+                                        # on the thick one the others are seen
+                                        zorder=3 if name == "newton" else 4)
     return styles
 
 
@@ -104,7 +105,8 @@ def _draw_row(panels, record, place, styles):
     for axes in panels:
         axes.set(xscale="log", yscale="log")
         axes.grid(True, which="major", linewidth=0.3, color="0.88")
-        axes.xaxis.set_minor_formatter(NullFormatter())
+        # within one power of ten there may be none to stand at a tick
+        axes.xaxis.set_minor_formatter(LogFormatter(minor_thresholds=(1, 0.5)))
         axes.yaxis.set_major_locator(LogLocator(numticks=8))
     drawn = [histories[str(number)] for number, name in enumerate(names) if name in styles
              and str(number) in histories]

@@ -267,9 +267,8 @@ class Archive:
         columns = sorted(set(file["branch"]) ^ set(self._layout.columns))
         self._refuse(asked_differently(file["branch"], self._layout.columns))
         if columns or tuple(file.attrs["shape"]) != self._layout.shape:
-            raise ArchiveError(f"{self.path} cannot be resumed: its columns or its grid are not "
-                               f"those of this run ({', '.join(columns) or self._layout.shape}); "
-                               "name another -archive_file.")
+            raise ArchiveError(f"{self.path} cannot be resumed: its columns or its grid differ "
+                               f"({', '.join(columns) or self._layout.shape}); take another file.")
         if "mode" in file.get("fields", ()) and "mode" not in self._layout.arrays:
             self._layout.arrays = (*self._layout.arrays, "mode")
 
@@ -277,7 +276,8 @@ class Archive:
         """Raise for the first of some differences, (name, there, here)."""
         for name, old, new in differences:
             raise ArchiveError(f"{self.path} cannot be resumed: {name} is {old} there and {new} "
-                               "here; take that, another -archive_file, or -archive_overwrite.")
+                               "here; take what is there, another -archive_file, or "
+                               "-archive_overwrite.")
 
     def _write_frame(self, file, slot, chunk):
         """Everything but the points."""

@@ -378,6 +378,25 @@ def test_long_names_fit_into_the_figure(tmp_path):
     assert pixels[:, :4, :3].min() > 0.9 and pixels[:, -4:, :3].min() > 0.9
 
 
+@pytest.mark.parametrize("times", [(4.1e-3, 6.3e-3), (2.2e-3, 8e-3), (0.11, 0.8), (3.1e-4, 4e-4)])
+def test_costs_within_a_power_of_ten_have_numbers_at_their_axis(times):
+    """And methods that cost the same are seen both, the thin curve on the thick one."""
+    history = np.transpose([(20.0, 30.0), times, (1e-3, 1e-9)])
+    record = {"name": "small", "histories": {"0": {"0": history, "1": history, "title": "step"}},
+              "methods": {"name": ["newton", "other"], "family": ["Newton", "Newton"]},
+              "results": {"outcome": np.array([["converged"], ["converged"]])}}
+    figure = matplotlib.figure.Figure()
+    panels = figure.subplots(1, 2)
+    comparison_figure._draw_row(panels, record, "0", comparison_figure._styles([record], None))
+    figure.draw_without_rendering()
+    for axes in panels:
+        low, high = axes.get_xlim()
+        ticks = [*axes.xaxis.get_major_ticks(), *axes.xaxis.get_minor_ticks()]
+        assert any(tick.label1.get_text() and low <= tick.get_loc() <= high for tick in ticks)
+        thick, thin = sorted(axes.lines, key=lambda line: -line.get_linewidth())
+        assert thick.get_zorder() < thin.get_zorder()
+
+
 def test_failed_replacement_leaves_a_file(tmp_path):
     path = tmp_path / "kept.h5"
     tables.write_hdf5(path, {"a": 1}, {"x": ([1.0, 2.0], "s"), "words": ["one", "two"]})

@@ -391,7 +391,7 @@ def test_finish_after_resuming_changes_nothing_else(tmp_path):
                                                     r"columns or its grid .*contact_area, event, "
                                                     r"normal_force\)"),
                           (dict(columns={**COLUMNS, "error_slip": Column("relative")}),
-                           "-archive_errors is not given there and given here; take that"),
+                           "-archive_errors is not given there and given here; take what"),
                           (dict(fields="all", coordinates=(X,)), "archive_fields is none "
                            "there and all here"),],)
 def test_an_archive_of_another_run_is_not_resumed(tmp_path, changed, message):
