@@ -24,8 +24,14 @@ PACKAGE = __name__.partition(".")[0]
 
 
 def check():
-    """InputError for a class that an option names and that does not exist, or is no solver."""
-    for name, path in database().items():
+    """InputError for a class that an option names and that does not exist, or is no solver, and for
+    a type that needs such an option and has none."""
+    given = database()
+    for kind in ("snes", "ksp"):
+        if given.get(f"{kind}_type") == "python" and f"{kind}_python_type" not in given:
+            raise InputError(f"-{kind}_type is 'python', which needs -{kind}_python_type: name "
+                             "MODULE.CLASS, of a module that Python can import")
+    for name, path in given.items():
         kind = OPTION.search(name)
         if kind:
             _check_one(f"-{name} is '{path}'", path, NEEDED[kind[1]])
