@@ -187,9 +187,9 @@ class PathEnergies:
             interface = point.jump_work
             balance = "unknown" if np.isnan(point.jump_work) else "motion"
             told, viscous = left - interface, point.viscous_work
-            if viscous >= 0.0 and (told < 0.0 or viscous < abs(told - viscous)
-                                   <= UNSURE * abs(interface)):
-                interface = left - viscous
+            if told < 0.0 or 0.0 <= viscous < abs(told - viscous) <= UNSURE * abs(interface):
+                # (a motion that loses less than nothing itself tells of its error alone)
+                interface = left - max(0.0, viscous)
             if before.fold_precision > LOCATED:
                 # The motion ran under another load, which does more than a small jump loses.
                 interface = self._bounded(interface, before.state, point.state, left)

@@ -39,10 +39,8 @@ SHORT, NEARER = 5.0, 0.1
 works on it are summed up anew; and the part of the jump with which that begins."""
 
 BASIN = 0.02
-"""Distance at any node where the law acts, within which Newton's solution is the motion's end.
-
-Ranges of the law.
-"""
+"""Distance at any node where the law acts, ranges of the law, within which Newton's solution is the
+motion's end."""
 WIDE = 0.1
 """The same where a `rough` motion has but slowed down and the solution is stable."""
 
@@ -121,9 +119,11 @@ def _anew(system, state, origin, point, near):
     point, near : Point, float
     """
     motion, way = started(system, state, point.controls, point.load, origin, read(MotionOptions))
-    motion.follow(RESTS[0], SLOWED)
-    close = states.missed(system.contact, motion.state(), point.state) < near
-    return summed(system.contact, motion, way, point) if close else point
+    for rest, part in ((RESTS[0], SLOWED), *((rest, 0.0) for rest in RESTS)):
+        motion.follow(rest, part)  # (a small jump is a slow one)
+        if states.missed(system.contact, motion.state(), point.state) < near:
+            return summed(system.contact, motion, way, point)
+    return point
 
 
 def _unfollowed(system, state, controls, load, where, failure):

@@ -416,7 +416,8 @@ def test_a_jump_without_potential_needs_the_works_along_its_motion():
     small = 2e-3 * abs(free)
     for work, viscous, lost in ((free - 0.1, 0.099, 0.1), (free - small, 0.1 * small, 0.1 * small),
                                 (free - 10.0 * small, small, 10.0 * small),
-                                (free + 0.001, 1e-4, 1e-4), (free - 0.1, -0.03, 0.1)):
+                                (free + 0.001, 1e-4, 1e-4), (free - 0.1, -0.03, 0.1),
+                                (free + 0.001, -1e-4, 0.0), (free + 0.001, math.nan, 0.0)):
         # A work on the interface whose error exceeds all that is lost says nothing of the latter;
         # one that is far off what viscosity takes says that the kick took the beginning.
         known = PathEnergies(contact, found[-3:-1]).completed(replace(jumped, jump_work=work,
