@@ -655,6 +655,19 @@ def test_size_style_and_columns(tmp_path):
         assert not list(tmp_path.glob("*.png"))
 
 
+def test_labels_of_low_panels_take_two_lines(tmp_path):
+    line_archive(tmp_path / "run.h5", shear())
+    with rc_context(style.STYLE):
+        figure = style.sized(profiles.draw_profiles(read(tmp_path / "run.h5"), [0, 10]), (17, 10))
+        parts.break_labels(figure)
+        figure.draw_without_rendering()
+        labels = [axes.yaxis.label for axes in figure.axes]
+        boxes = [label.get_window_extent() for label in labels]
+    assert all(above.y0 > below.y1 for above, below in zip(boxes, boxes[1:]))
+    assert labels[-1].get_text() == "tangential\ntraction $p_{t} / p_{t,r}$"
+    assert "\n" not in labels[0].get_text()
+
+
 def test_archives_of_other_units_do_not_stand_together(tmp_path):
     archive_of(tmp_path / "line.h5", [(row, ()) for row in shear()])
     plane_archive(tmp_path / "plane.h5", shear(1.5, 10, "_x"))
@@ -761,7 +774,7 @@ def test_the_shape_of_a_sheared_contact_is_drawn(interface, tmp_path, monkeypatc
     wider = {**known, **{name: Column(unit if name.endswith("area") else "beta") for name in names}}
     monkeypatch.setattr(f"{__name__}.columns", lambda dimension=1: wider)
     save = plotting._save  # others have their own tests
-    monkeypatch.setattr(plotting, "_save", lambda figure, path: save(figure, path)
+    monkeypatch.setattr(plotting, "_save", lambda figure, path, low: save(figure, path, low)
                         if path.stem == "run-shape" else None)
     rows = [{**row, **{name: number for number, name in enumerate(names, start=1)}}
             for row in shear(count=10, axis=axis)]

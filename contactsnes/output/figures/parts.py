@@ -152,3 +152,18 @@ def _length(line):
     size = FontProperties(size=10.0)
     length, _, _ = text_to_path.get_text_width_height_descent(line, size, is_math_text(line))
     return length / size.get_size_in_points()
+
+
+def break_labels(figure):
+    """Labels of the y axes that are longer than their panel in two lines, about as long."""
+    figure.draw_without_rendering()
+    for axes in figure.axes:
+        text = axes.yaxis.label
+        line = text.get_text()
+        if "\n" in line or text.get_window_extent().height <= axes.get_window_extent().height:
+            continue
+        gaps = [place for place, letter in enumerate(line)
+                if letter == " " and line[:place].count("$") % 2 == 0]
+        if gaps:
+            place = min(gaps, key=lambda gap: max(_length(line[:gap]), _length(line[gap + 1:])))
+            text.set_text(f"{line[:place]}\n{line[place + 1:]}")

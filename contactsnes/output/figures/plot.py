@@ -39,6 +39,7 @@ from .data import NothingToShow, choose_points
 from .loads import draw_approach, draw_area, draw_shear
 from .maps import draw_maps
 from .measured import check_names, check_used, read_measured
+from .parts import break_labels
 from .profiles import draw_profiles
 from .shape import draw_outlines, draw_shape
 from .spots import draw_spots
@@ -172,15 +173,18 @@ def _drawn(kinds, stem, asked):
                 continue
             for suffix in asked.formats:
                 figures.files.append(stem.with_name(f"{stem.name}-{name}{suffix}"))
-                _save(figure, figures.files[-1])
+                _save(figure, figures.files[-1], low=isinstance(asked.size, tuple))
     return figures
 
 
-def _save(figure, path):
-    """Write a figure; InputError where there is no room for what stands in it."""
+def _save(figure, path, low):
+    """Write a figure, whose panels may be low; InputError where there is no room for what stands in
+    it."""
     with warnings.catch_warnings():
         warnings.filterwarnings("error", "constrained_layout not applied")
         try:
+            if low:
+                break_labels(figure)
             saved(figure, path)
         except UserWarning:
             width, height = 2.54 * figure.get_size_inches()
