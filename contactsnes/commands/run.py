@@ -68,7 +68,7 @@ class Run:
         if settings.output.file and settings.output.stiffness:
             self.table[observables.STIFFNESS] = observables.stiffness(settings.scene)
         self.archive, self.nothing = None, 0.0
-        self.waiting = 0
+        self.waiting = []
         self.known = 0
         self.ended = False
         self.unread = []
@@ -106,10 +106,12 @@ class Run:
         if archive.complete or not output.resume:
             return archive
         history = [self.branch.restored(state) for state in archive.states()]
-        self.waiting = 0 if self.settings.steps.at_fold == "trace" else unfinished_fold(history)
+        tracing = self.settings.steps.at_fold == "trace"
+        met = len(history) - (0 if tracing else unfinished_fold(history))
+        self.waiting = history[met:]
         self.branch.history = history  # all of them have to lie on the path
         if self.waiting:
-            self.branch.history = history[:-self.waiting]
+            self.branch.history = history[:met]
         return archive
 
     def follow(self):

@@ -7,6 +7,8 @@ from typing import NamedTuple, Optional
 
 import numpy as np
 
+SAME = 1e-6
+"""Relative difference up to which loads of folds that were located are one."""
 LEFT = 1e-8
 """Way of a load, over the load where that is above one, up to which it is what solves leave of
 their balance."""
@@ -261,14 +263,24 @@ def unfinished_fold(history):
     return len(events) - folds[-1] if folds and "jump" not in events[folds[-1]:] else 0
 
 
+def same_fold(fold, other):
+    """Whether two folds are one: their loads differ by no more than these are known to."""
+    known = SAME + fold.fold_precision + other.fold_precision
+    away = np.abs(fold.load - other.load)
+    return fold.leg == other.leg and bool(np.all(away <= known * np.maximum(np.abs(other.load),
+                                                                           1e-3)))
+
+
 def new_points(branch, waiting):
-    """The points of a branch without those until its next fold and ``waiting`` - 1 more, which the
-    archive has already."""
-    left = waiting
+    """The points of a branch without those until its next fold and the events that follow it, which
+    the archive has already: ``waiting``, of which the first is that fold."""
+    left = len(waiting)
     for point in branch:
         if left == 0:
             yield point
-        elif point.event == "fold" or left < waiting:
+        elif left < len(waiting) or point.event == "fold":
+            if left == len(waiting) and not same_fold(point, waiting[0]):
+                break
             left -= 1
     if left:
         raise NotConverged("the fold at the end of the archive was not "

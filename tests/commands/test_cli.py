@@ -344,16 +344,33 @@ def test_run_that_was_killed_during_its_jump(tmp_path):
                                                 (["fold", "jump", "none", "fold"], 1),
                                                 (["jump", "none", "fold", "pull_off"], 2)])
 def test_fold_without_its_jump_is_found_again(events, unfinished):
-    history = [SimpleNamespace(event=event) for event in events]
+    history = [met(event) for event in events]
     assert unfinished_fold(history) == unfinished
     kept, tail = history[:len(history) - unfinished], history[len(history) - unfinished:]
-    again = [*([SimpleNamespace(event=None)] if tail else []), *tail,
-             SimpleNamespace(event="jump"), SimpleNamespace(event="fold")]
-    assert [point.event for point in new_points(again, unfinished)] == ["jump", "fold"]
+    again = [*([met(None)] if tail else []), *tail, met("jump"), met("fold")]
+    assert [point.event for point in new_points(again, tail)] == ["jump", "fold"]
     if unfinished:
         with pytest.raises(NotConverged, match="not found again"):
-            list(new_points(again[:1], unfinished))
+            list(new_points(again[:1], tail))
     assert all(point.event != "fold" or "jump" in events for point in kept)
+
+
+def met(event, load=2.0, leg=1, precision=0.0):
+    """What of a point decides whether a fold is found again."""
+    return SimpleNamespace(event=event, leg=leg, load=np.array([1.0, load]),
+                           fold_precision=precision)
+
+
+@pytest.mark.parametrize("found, same", [({"load": 2.0 + 1e-8}, True), ({"load": 2.008}, False),
+                                         ({"load": 2.008, "precision": 0.01}, True),
+                                         ({"leg": 2}, False)])
+def test_another_fold_is_not_taken_for_the_one_at_the_end_of_the_archive(found, same):
+    again = new_points([met(None), met("fold", **found), met("jump")], [met("fold")])
+    if same:
+        assert [point.event for point in again] == ["jump"]
+    else:
+        with pytest.raises(NotConverged, match="not found again"):
+            list(again)
 
 
 def test_bar_on_a_terminal(tmp_path):
