@@ -21,6 +21,26 @@ def finite(state):
     return state
 
 
+def moved_means(form, change, far):
+    """How the means (components,) move with a change of the unknown at the last linearisation,
+    ranges of the law: where a displacement is held through the body, by as much less than that as
+    the body gives way.
+
+    Parameters
+    ----------
+    form : of the equations
+    change : array of the form's size
+    far : array (components,), change of the far displacements
+    """
+    if form.whole_cell:
+        return form.grid.mean(form.displacement(change))
+    half = getattr(form, "half", form)
+    response = half.stiffen(form.once(change), half.work)
+    means = far - form.rigid_compliance * form.grid.sum(response) / form.grid.size
+    means[form.forced] = form.scalars(change)
+    return means
+
+
 def balanced_point(contact, form, state, imbalance, **more):
     """The Point of a state that balances.
 

@@ -24,7 +24,7 @@ from . import coarse_motion, crossing
 from .corrector import Corrector
 from .ends import Ends
 from .neighbours import Neighbours
-from .states_of_solves import finite, refuse_unknown
+from .states_of_solves import finite, moved_means, refuse_unknown
 
 PART = 2 ** 14
 """Nodes that are moved at a time."""
@@ -127,17 +127,9 @@ class Tracer(Corrector, Neighbours, Ends):
         change = self._linear(snes, arc, lambda right: np.copyto(
             right, arc.joined(np.zeros(form.size), 1.0)), LED if self.leads else EXACT)
         own, rate = arc.inner(change), float(arc.position(change))
-        field = form.displacement(own)
-        grid = self.contact.grid
-        if form.whole_cell:
-            return Direction(states.State(form.window, field, grid.mean(field)), rate)
-        gap = form.displacement(arc.inner(unknown))
-        gap[0] += form.window.take(self.contact.initial_gap)
-        response = np.einsum("ijn,jn->in", self.contact.law.tangent(gap), field)
-        means = (rate * self.contact.far_displacement(form.components, leg.direction)
-                 - form.rigid_compliance * grid.mean(response))
-        means[form.forced] = form.scalars(own)
-        return Direction(states.State(form.window, field, means), rate)
+        far = rate * self.contact.far_displacement(form.components, leg.direction)
+        return Direction(states.State(form.window, form.displacement(own),
+                                      moved_means(form, own, far)), rate)
 
     def unit(self, point, direction):
         """A direction at a point per unit of the branch's own length."""
@@ -166,9 +158,9 @@ class Tracer(Corrector, Neighbours, Ends):
         form.linearise(form.packed(state))
         moved = self._linear(self.snes, form,
                              lambda right: form.load_derivative(-direction, right), 1e-3) * step
+        far = step * self.contact.far_displacement(form.components, direction)
+        means = state.means + moved_means(form, moved, far)
         moved += form.packed(state)
-        means = state.means + step * self.contact.far_displacement(form.components, direction)
-        means[form.forced] = form.scalars(moved)
         ahead = self._regularised(form, state, moved, means)
         if form.forced and not form.whole_cell:
             # The mean displacement belonged to another gap than this: it is balanced anew, where

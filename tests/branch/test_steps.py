@@ -283,3 +283,16 @@ def test_a_jump_is_met_too_where_the_grid_is_coarse_for_slip_that_does_not_come(
                     for most in (20.0, 400.0))
     assert coarse.event == fine.event == "fold"
     assert coarse.load[0] == pytest.approx(fine.load[0], rel=1e-8)
+
+
+def test_a_bracket_holds_the_fold_of_a_body_that_is_sheared_through_a_soft_layer():
+    """Motion under the load at the bracket's end begins with the contact's own slip, not with that
+    of the body's top, which would have it slide before its fold."""
+    scene = Scene(points=216, period=12.0, normal_maugis=2.0, tangential_maugis=2.0,
+                  residual_friction=0.1)
+    load = Load(path="normal_displacement=1.2; tangential_displacement=7780", stop="gross_sliding")
+    located, bracketed = (
+        next(point for point in Branch(scene, load, Steps(locate_folds=locate))
+             if point.event == "fold") for locate in (True, False))
+    before, limit = bracketed.load[1], located.load[1]
+    assert before <= limit <= before * (1.0 + bracketed.fold_precision)
