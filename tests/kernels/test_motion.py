@@ -230,7 +230,7 @@ def test_a_step_enters_python_only_to_step_and_to_be_judged():
     files = {file.rpartition("contactsnes/")[2] for file, _ in called[place:]
              if "/contactsnes/" in file}
     assert files <= {"solvers/stepping.py", "solvers/motion.py", "solvers/relaxation.py",
-                     "solvers/leaving.py", "solvers/waves.py", "kernels/motion.py",
-                     "kernels/forms.py", "kernels/structures.py", "contact/force_form.py",
-                     "grid/even.py", "grid/cell.py", "grid/fields.py"}
+                     "solvers/leaving.py", "solvers/waves.py", "solvers/convergence.py",
+                     "kernels/motion.py", "kernels/forms.py", "kernels/structures.py",
+                     "contact/force_form.py", "grid/even.py", "grid/cell.py", "grid/fields.py"}
     assert not {"_balance", "_stiffen", "_steepest"} & {name for _, name in called[place:]}
