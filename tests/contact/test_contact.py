@@ -32,7 +32,7 @@ from contactsnes.grid.windows import Window
 from contactsnes.interface.laws.coupled import SLIP
 from contactsnes.interface.laws.modified import Modified
 from contactsnes.kernels import library, lines, transforms
-from contactsnes.solvers import vectors
+from contactsnes.solvers import krylov, vectors
 from contactsnes.solvers.core_zone import CoreZone
 
 BODIES = {"thick": {}, "soft": {"poisson": 0.3, "height": 3.0, "work_ratio": 2.0},
@@ -692,7 +692,7 @@ def test_memory_of_large_forms_goes_back_to_the_system(monkeypatch):
     given = []
     monkeypatch.setattr(vectors, "_give_back", lambda: given.append(system.form))
     for large in (math.inf, 1):
-        monkeypatch.setattr(corrector, "LARGE", large)
+        monkeypatch.setattr(krylov, "LARGE", large)
         system = Branch(Scene(**LINE), Load(start="normal_displacement=1",
                                             path="normal_displacement=2")).corrector
         system.form = DisplacementForm(system.contact, system.contact.widest, (DISPLACEMENT,))
