@@ -45,7 +45,7 @@ class Rounds:
 
         Parameters
         ----------
-        moment : overdamped.Moment, where it ends
+        moment : step_works.Moment, where it ends
         moved : float, its length
         size : function (change of the unknown) -> length, in the same unit
         """

@@ -227,12 +227,13 @@ def at_rest(system, motion, controls, load):
     for rest, part in [*((RESTS[0], part) for part in early),
                        *((rest, 0.0) for rest in RESTS)]:
         motion.follow(rest, part)
-        # (beside a fold it may wander for as long as it is let)
-        most = COLD if (rest, part) == (RESTS[-1], 0.0) else WARM
+        motion.make_room()
+        most = COLD if (rest, part) == (RESTS[-1], 0.0) else WARM  # (beside a fold it may wander)
         try:
             return (taken_over if part else polished)(system, motion.state(), controls, load, most)
         except NotConverged as error:
             reason = str(error)
+        system.make_room(whole=True)
     raise NotConverged(reason)
 
 

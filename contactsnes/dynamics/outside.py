@@ -37,16 +37,17 @@ class Outside:
         certain = contact.law.certain
         if window in (contact.grid.whole, contact.widest):
             return True
-        near = self._equations.rim_gap(now.gap) < certain
+        gap = self._equations.gap(now.unknown)
+        near = self._equations.rim_gap(gap) < certain
         if near and not self._scatters:
             return False
         if contact.convex and not near:
             return True
-        if not sure and self._known and self._still_far(now.gap, motion.means()[0]):
+        if not sure and self._known and self._still_far(gap, motion.means()[0]):
             return True
         state, elastic = motion.state(), self._equations.unfolded(now.elastic)
         room = contact.grid.minimum(contact.gap_outside(state, elastic)) - certain
-        self._known = now.gap, state.means[0], room
+        self._known = gap, state.means[0], room
         return room >= 0.0
 
     def _still_far(self, gap, mean):

@@ -9,7 +9,7 @@ error that controls the next step.
 """
 
 from dataclasses import dataclass
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 import numpy as np
 
@@ -18,11 +18,12 @@ from ..contact.state import weighted
 from ..continuation.points import lagrange_weights
 from ..grid.cell import Convolution
 from ..options.fields import Options, option
+from ..solvers.krylov import large
 from ..solvers.vectors import collect
 from .control import CAREFUL, MANY, Exactness, control
 from .endings import Circling, Leaving, Rounds, Unsettled
 from .outside import Outside
-from .step_works import step_works
+from .step_works import Moment, step_works
 from .viscous import Equations, backward_formula
 
 RESTING = 1e-6
@@ -33,6 +34,8 @@ relaxation times.
 
 Meanwhile the contact may still grow.
 """
+REFUSED = 1.5
+"""Error of a step over the tolerance from which on it is tried again, shorter."""
 SHORTEST, LATEST = 1e-8, 1e12
 """Time step below which a motion cannot be followed, and time after which none comes to rest any
 more, relaxation times."""
@@ -53,22 +56,6 @@ class MotionOptions(Options):
                               "ranges of the law", above=0)
     steps: int = option(3000, "steps of the overdamped motion after which it is given up",
                         minimum=1)
-
-
-class Moment(NamedTuple):
-    """The unknown of the equations at a time, tau, and of the last one gap and tractions of the law
-    (components, nodes)."""
-
-    time: float
-    unknown: np.ndarray
-    elastic: np.ndarray
-    gap: np.ndarray = None
-    traction: np.ndarray = None
-
-    @property
-    def before(self):
-        """What is kept of it behind a later one."""
-        return Moment(self.time, self.unknown, self.elastic)
 
 
 class OverdampedMotion:
@@ -97,11 +84,8 @@ class OverdampedMotion:
 
     def __init__(self, contact, symmetry, controls, load, state, totals, options=MotionOptions(),
                  precision="double", elastic=None, measured=True):
-        self.contact = contact
-        self.symmetry = symmetry
-        self.controls = controls
-        self.load = load
-        self.totals = totals
+        self.contact, self.symmetry = contact, symmetry
+        self.controls, self.load, self.totals = controls, load, totals
         self.options, self._precision = options, precision
         self.steps = 0
         self.measured = measured
@@ -110,25 +94,40 @@ class OverdampedMotion:
         self._control = control(contact, symmetry, len(controls), elastic is not None, measured)
         self._rounds = Rounds()
         self._begin(0.0, state, elastic)
+        self._speed = self._size_now(self._rate)
 
     def _begin(self, time, state, elastic=None):
         """Take up the motion on a state's window; tau is t unless it is given there."""
+        self._equip(state.window)
+        equations = self.equations
+        unknown = equations.pack(state.displacement, state.means)
+        elastic = equations.traction(unknown) if elastic is None else equations.folded(elastic)
+        unknown[equations.form.count:] += equations.form.grid.held(equations.response(elastic))
+        self.history, self._rate = [Moment(time, unknown, elastic)], equations.rate(unknown)
+        self._next = min(1.0, max(0.5 * self.options.tolerance, self._control.still)
+                         / max(self._size_now(self._rate), RESTING))
+
+    def _equip(self, window):
+        """Make the equations on a window."""
         even = self.symmetry.plain(len(self.controls))
         self.equations = self._outside = None
         collect()  # what the motion had on a smaller window
-        self.equations = equations = Equations(self.contact, state.window, even, self.controls,
-                                               self.load, self._precision)
-        self._outside = Outside(self.contact, equations,
+        self.equations = Equations(self.contact, window, even, self.controls, self.load,
+                                   self._precision)
+        self._outside = Outside(self.contact, self.equations,
                                 self.symmetry.scatters(len(self.controls)))
-        unknown = equations.pack(state.displacement, state.means)
-        gap, traction = equations.gap(unknown), equations.traction(unknown)
-        elastic = traction if elastic is None else equations.folded(elastic)
-        unknown[equations.form.count:] += equations.form.grid.held(equations.response(elastic))
-        self.history, self.rate = [Moment(time, unknown, elastic, gap,
-                                          traction)], equations.rate(unknown)
-        self._near = equations.near(gap)
-        self._next = min(1.0, max(0.5 * self.options.tolerance, self._control.still)
-                         / max(equations.size(self.rate, self._near), RESTING))
+
+    def make_room(self):
+        """Give back large equations, whose memory others take, until the motion goes on."""
+        if self.equations is not None and large(self.equations.form):
+            self._rests = self.state()
+            self.equations = self._outside = None
+            collect(True)
+
+    def _size_now(self, change):
+        """`Equations.size` of a change where the motion is now."""
+        near = self.equations.near(self.equations.gap(self.history[-1].unknown))
+        return self.equations.size(change, near)
 
     def means(self):
         """Means of the displacements over the cell now, (components,)."""
@@ -141,8 +140,10 @@ class OverdampedMotion:
 
     def state(self):
         """Where the motion is now."""
+        if self.equations is None:
+            return self._rests
         equations, unknown = self.equations, self.history[-1].unknown
-        displacement = equations.unfolded(equations.displacement(unknown).copy())
+        displacement = equations.unfolded(equations.displacement(unknown))
         return states.State(equations.window, displacement, self.means())
 
     def follow(self, rest=RESTING, part=0.0):
@@ -152,28 +153,20 @@ class OverdampedMotion:
         Raises Leaving where it has no end, Unsettled where it cannot be followed.
         """
         options, self._held = self.options, self.history[-1].time
-        last, speed = np.inf, self.equations.size(self.rate, self._near)
+        if self.equations is None:
+            self._equip(self._rests.window)
         step = self._next
         self._exactness = Exactness(self._control.exactness, min(1e-4 * options.tolerance, rest))
         while self.steps < options.steps and self.history[-1].time < LATEST:
             error, moment = self._tried(step)
-            if not error <= 1.5:
+            if moment is None:
                 step *= max(0.25, 0.8 * error ** (-1.0 / 3.0)) if error < np.inf else 0.25
                 if step < SHORTEST:
                     raise Unsettled(f"its time steps became too short, fastest {self._place()}")
                 continue
-            if self.measured:
-                self._account(moment, step)
-            change = moment.unknown - self.history[-1].unknown
-            self.history = [*(known.before for known in self.history[-2:]), moment]
-            self._near = self.equations.near(moment.gap)
-            moved, velocity = (self.equations.size(change, self._near),
-                               self.equations.form.scalars(change) / step)
-            del change  # its memory is the next step's
-            last, speed = speed, moved / step
-            self.fastest = max(self.fastest, speed)
+            last, (moved, velocity) = self._speed, self._arrive(moment, step)
             slow = max(rest, part * self.fastest)
-            calm = speed < slow and (speed <= last or speed < 1e-3 * slow)
+            calm = self._speed < slow and (self._speed <= last or self._speed < 1e-3 * slow)
             covered = self._outside.free(self, sure=calm)
             if covered and calm:
                 self._next = step
@@ -186,6 +179,18 @@ class OverdampedMotion:
         raise Unsettled(f"it has not come to rest after {self.steps} steps, fastest "
                         f"{self._place()}")
 
+    def _arrive(self, moment, step):
+        """Go on to a moment; the length of the step there, and how fast the means move in it."""
+        if self.measured:
+            self._account(moment, step)
+        change = moment.unknown - self.history[-1].unknown
+        *older, last = self.history[-2:]
+        self.history = [*(known._replace(elastic=None) for known in older), last, moment]
+        moved, self._rate = self._size_now(change), None
+        self._speed = moved / step
+        self.fastest = max(self.fastest, self._speed)
+        return moved, self.equations.form.scalars(change) / step
+
     def _check_end(self, moment, velocity, moved):
         """Raise Leaving or Circling of a motion without one.
 
@@ -195,29 +200,29 @@ class OverdampedMotion:
         velocity : of the means that move
         moved : float, length of the step
         """
-        lost = self.equations.leaving(moment.unknown, moment.gap, velocity)
+        lost = self.equations.leaving(moment.unknown, self.equations.gap(moment.unknown), velocity)
         self._held = moment.time if lost is None else self._held
         if lost == 0 or moment.time - self._held > ENDLESS:
             raise Leaving
-        if self._rounds.closed(moment, moved, lambda way: self.equations.size(way, self._near)):
+        if self._rounds.closed(moment, moved, self._size_now):
             raise Circling(f"it goes round and round, every {self._rounds.period:.3g} relaxation "
                            f"times, fastest {self._place()}")
 
     def _place(self):
         """Where the motion is fastest, in words."""
         equations, (before, now) = self.equations, (self.history[0], self.history[-1])
-        moved = now.unknown - before.unknown if before is not now else self.rate
-        speed = equations.unfolded(np.abs(equations.displacement(moved)) * self._near.mask)
+        moved = now.unknown - before.unknown if before is not now else self._rate
+        near = equations.near(equations.gap(now.unknown))
+        speed = equations.unfolded(np.abs(equations.displacement(moved)) * near.mask)
         return places.largest(self.contact, equations.window, speed.max(axis=0))
 
     def _tried(self, step):
         """Error of a step over the tolerance (inf where it failed), and the moment to which it
-        leads."""
+        leads; None beyond `REFUSED`."""
         if self.steps >= MANY and self._control in CAREFUL:
             self._control = CAREFUL[self._control]
             self._exactness.part = min(self._exactness.part, self._control.exactness)
         equations, history, allowed = self.equations, self.history, self._control
-        tolerance = allowed.error * self.options.tolerance
         now = history[-1]
         times = [moment.time - now.time for moment in history[-2:]]
         shift, weights = backward_formula(times, step)
@@ -230,26 +235,35 @@ class OverdampedMotion:
             self.totals[name] += count - before[name]
         if reason <= 0 or self.contact.grid.any(~np.isfinite(unknown)):
             return np.inf, None
-        aside, share = np.subtract(unknown, guess, out=guess), 0.2 if len(history) > 2 else 0.5
-        moved = equations.size(unknown - now.unknown, self._near)
-        turned = equations.size(aside, self._near) / max(moved, allowed.still)
-        error = max(share * equations.size(aside, self._near, relative=True) / tolerance,
-                    turned / allowed.turning, equations.returned(now.unknown, unknown))
+        error, moved = self._missed(guess, unknown)
+        del guess  # its memory is that of what follows
         self._exactness.after(error > 0.5 and moved < allowed.still, reason)
-        gap = equations.gap(unknown)
-        traction = self.contact.law.traction(gap)
+        if not error <= REFUSED:
+            return error, None
         # The same formula for tau' = t - tau.
         elastic = weighted([moment.elastic for moment in history[-2:]], weights)
-        elastic += traction
+        elastic += equations.traction(unknown)
         elastic /= 1.0 + shift
-        return error, Moment(now.time + step, unknown, elastic, gap, traction)
+        return error, Moment(now.time + step, unknown, elastic)
+
+    def _missed(self, guess, unknown):
+        """The same error of a step to an unknown, and its length; its guess is overwritten."""
+        equations, now, allowed = self.equations, self.history[-1], self._control
+        share, near = 0.2 if len(self.history) > 2 else 0.5, equations.near(
+            equations.gap(now.unknown))
+        moved = equations.size(unknown - now.unknown, near)
+        aside = np.subtract(unknown, guess, out=guess)
+        turned = equations.size(aside, near) / max(moved, allowed.still)
+        tolerance = allowed.error * self.options.tolerance
+        return max(share * equations.size(aside, near, relative=True) / tolerance,
+                   turned / allowed.turning, equations.returned(now.unknown, unknown)), moved
 
     def _predicted(self, step):
         """The unknown after a step by the parabola through the last three, or less where the motion
         has only begun."""
         now = self.history[-1]
         if len(self.history) == 1:
-            return now.unknown + step * self.rate
+            return now.unknown + step * self._rate
         weights = lagrange_weights([moment.time for moment in self.history], now.time + step)
         return weighted([moment.unknown for moment in self.history], weights)
 

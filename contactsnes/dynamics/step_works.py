@@ -1,6 +1,20 @@
-"""The works of a step of a motion, in little more memory than its moments have."""
+"""Moments of a motion, and the works of a step between two of them, found on some nodes at a time:
+in no memory to speak of."""
+
+from typing import NamedTuple
 
 import numpy as np
+
+PART = 2 ** 14
+"""Nodes whose works are found at a time."""
+
+
+class Moment(NamedTuple):
+    """The unknown of the equations at a time, and tau, None of one that but predictions ask for."""
+
+    time: float
+    unknown: np.ndarray
+    elastic: np.ndarray = None
 
 
 def step_works(contact, equations, history, moment, step):
@@ -12,60 +26,73 @@ def step_works(contact, equations, history, moment, step):
     ----------
     contact : Contact
     equations : viscous.Equations of the motion
-    history : list of its last overdamped.Moment, oldest first
-    moment : overdamped.Moment, with gap and traction, as the last one has them
+    history : list of its last `Moment`, oldest first
+    moment : Moment
     step : float, time between the two
     """
-    grid, moving = equations.form.grid, equations.moving
-    speed, bend = _rates("unknown", history, moment, step)
-    # (scalars are views, and the memory of the speed is used again)
-    means, bent = (equations.form.scalars(rates).copy() for rates in (speed, bend))
-    velocity, turn = equations.displacement(speed), equations.displacement(bend)
-    tractions = _simpson(equations, history[-1], moment, speed, bend, step)
-    del speed, bend  # their memory is that of what follows
-    tractions *= velocity
-    turned = moment.traction - history[-1].traction
-    turned *= turn
-    tractions += turned
-    interface = step / 6.0 * grid.sum(tractions)
-    del tractions, turned
-    velocity[moving] -= means[:, None]
-    turn[moving] -= bent[:, None]
-    creep, creep_bend = _rates("elastic", history, moment, step)
-    creep *= velocity
-    creep_bend *= turn
-    creep_bend /= 3.0
-    creep += creep_bend
-    viscous = -step * grid.sum(creep)
+    form, moving, known = equations.form, equations.moving, [*history[-2:], moment]
+    times, weights = [one.time for one in known], getattr(form.grid, "weights", None)
+    means, bent = _rates([form.scalars(one.unknown) for one in known], times, step)
+    way = np.zeros((2, form.components, 1))  # of the means, and how their speed changes
+    way[:, moving, 0] = means, bent
+    fields = [one.unknown[:form.count].reshape(form.shape) for one in known]
+    works = np.zeros((2, form.components))
+    for first in range(0, form.nodes, PART):
+        part = slice(first, first + PART)
+        some = [field[:, part] for field in fields]
+        done = _on_interface(equations, some, form.initial_gap[part], times, step)
+        lost = [form.root * rate - mean
+                for rate, mean in zip(_rates(some, times, step), way)]
+        creep, bend = _rates([one.elastic[:, part] for one in known], times, step)
+        creep *= lost[0]
+        creep += bend * lost[1] / 3.0
+        works += [values.sum(axis=1) if weights is None else values @ weights[part]
+                  for values in (done, creep)]
+    interface, viscous = form.grid.together(works)
+    interface, viscous = step / 6.0 * interface, -step * viscous
     viscous[moving] += (step * contact.grid.size * equations.mass * (means ** 2 + bent ** 2 / 3.0))
     return np.array([interface, viscous])
 
 
-def _simpson(equations, last, moment, speed, bend, step):
-    """Tractions at begin and end of a step and four times those in its middle, summed up; ``speed``
-    and ``bend`` are overwritten."""
-    middle = np.add(last.unknown, moment.unknown, out=speed)
-    middle *= 0.5
-    bend *= 0.25 * step
-    middle -= bend
-    tractions = equations.traction(middle)
-    tractions *= 4.0
-    tractions += last.traction
-    tractions += moment.traction
-    return tractions
+def _on_interface(equations, known, initial_gap, times, step):
+    """Works on the interface at nodes, six times as much over the step: tractions at begin, middle
+    and end times speeds there, array (components, nodes).
+
+    Parameters
+    ----------
+    equations : as of `step_works`
+    known : displacements of the last moments over the form's scale, (components, nodes)
+    initial_gap : array (nodes,)
+    times, step : as of `_rates`
+    """
+    root = equations.form.root
+    speed, bend = _rates(known, times, step)
+    middle = 0.5 * (known[-2] + known[-1]) - 0.25 * step * bend
+    begin, middle, end = (_traction(equations, field * root, initial_gap)
+                          for field in (known[-2], middle, known[-1]))
+    return (4.0 * middle + begin + end) * (speed * root) + (end - begin) * (bend * root)
 
 
-def _rates(name, history, moment, step):
-    """Rate in the middle of a step to a moment of what moments have under a name, and what it
-    differs by at either end, by the parabola through the last moments, arrays."""
-    last = history[-1]
-    rate = getattr(moment, name) - getattr(last, name)
-    rate /= step
-    if len(history) == 1:
+def _traction(equations, gap, initial_gap):
+    """Tractions of the law at displacements, which are overwritten."""
+    gap[0] += initial_gap
+    return equations.contact.law.traction(gap)
+
+
+def _rates(known, times, step):
+    """Rate in the middle of a step of what is known, and what it differs by at either end, by the
+    parabola through the last moments, arrays.
+
+    Parameters
+    ----------
+    known : list of arrays alike at the last two or three moments
+    times : of these
+    step : float, time between the last two
+    """
+    rate = (known[-1] - known[-2]) / step
+    if len(known) == 2:
         return rate, np.zeros_like(rate)
-    first = history[-2]
-    bend = getattr(first, name) - getattr(last, name)
-    bend /= last.time - first.time
+    bend = (known[0] - known[1]) / (times[1] - times[0])
     bend += rate
-    bend *= step / (moment.time - first.time)
+    bend *= step / (times[2] - times[0])
     return rate, bend

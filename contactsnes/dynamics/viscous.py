@@ -78,7 +78,7 @@ class Equations:
         self.form.set_load(load)
         self.target = (load / self.form.factor)[self.moving] / contact.grid.size
         self.ksp, self.matrix = create_ksp(self.form, "jump_", precision)
-        self._right, self._step, self._guess = (create_vector(self.form) for _ in range(3))
+        self._right, self._step = (create_vector(self.form) for _ in range(2))
         options = read(NewtonOptions, "jump_")
         self._regularised = RegularisedStep(self.form, options.stiffness) if options.gap else None
         given = PETSc.Options("jump_")
@@ -175,6 +175,7 @@ class Equations:
         """
         form, ksp, count = self.form, self.ksp, self.form.count
         self._linearise(guess, shift, known)
+        del known  # its memory is that of the linear solve
         self.matrix.assemble()
         part = exactness.part if self._part is None else self._part
         ksp.setTolerances(rtol=part, atol=exactness.left / (1.0 + shift))
@@ -185,8 +186,9 @@ class Equations:
         if self.inner.any():
             response = self.response(form.stiffen(form.displacement(step), form.work))
         if self._regularised:
-            self._guess.setArray(guess)
-            self._regularised(self._guess, self._step)
+            begin = create_vector(form, guess)
+            self._regularised(begin, self._step)
+            begin.destroy()  # at once: older petsc4py does so late
         step[count:] += form.grid.held(response)
         return guess - step, ksp.getConvergedReason()
 

@@ -328,26 +328,36 @@ def test_a_grid_holds_no_form_while_motion_is_on_a_coarser_one(heights, tmp_path
     assert len(given) > 2 and not any(given)
 
 
-@pytest.mark.parametrize("large", [True, False])
-def test_a_motion_has_the_memory_of_a_large_form(heights, tmp_path, monkeypatch, large):
-    """On its own grid, too, and it keeps of moments behind the last one what its steps need."""
-    monkeypatch.setattr(krylov, "LARGE", 1000 if large else 10 ** 6)
-    follow, held = jumps.OverdampedMotion.follow, []
+def test_a_motion_has_the_memory_of_a_large_form(heights, tmp_path, monkeypatch):
+    """On its own grid, too, and gives it back for the solve at its end; where that leads elsewhere
+    it goes on as one that has kept its own. It keeps of moments what its steps need."""
+    follow, taken_over, found = jumps.OverdampedMotion.follow, jumps.taken_over, []
 
     def followed(motion, *given):
-        held.append(system.form)
+        held.append(system.form is None)
         follow(motion, *given)
-        held.extend(moment.gap is None and moment.traction is None
-                    for moment in motion.history[:-1])
+        assert [moment.elastic is None for moment in motion.history] == [True, False, False]
+        ended.append(motion)
+
+    def refused(*given):
+        held.append(ended[-1].equations is None)
+        taken_over(*given)
+        raise NotConverged("refused")
 
     monkeypatch.setattr(jumps.OverdampedMotion, "follow", followed)
+    monkeypatch.setattr(jumps, "taken_over", refused)
     system = branch_of(heights(64), tmp_path / "heights.npy").corrector
     controls, load = (DISPLACEMENT,), np.array([START])
     state = states.undeformed(system.contact, controls, load)
     begin = system.solve(state, controls, load, COLD)
-    end = jumps.settle(system, begin.state, controls, load + 0.01, "there")
-    assert (held[0] is None) is large and held[1:3] == [True, True]
-    assert end.residual_norm <= 1e-8
+    for large in (True, False):
+        monkeypatch.setattr(krylov, "LARGE", 1000 if large else 10 ** 6)
+        held, ended = [], []
+        end = jumps.settle(system, begin.state, controls, load + 0.01, "there")
+        assert held == [large] * 5 and end.residual_norm <= 1e-8
+        found.append((end.state.displacement, ended[-1].steps))
+    np.testing.assert_array_equal(*(displacement for displacement, _ in found))
+    assert found[0][1] == found[1][1]
 
 
 @pytest.mark.parametrize("norms, reason", [

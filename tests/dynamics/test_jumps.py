@@ -419,7 +419,7 @@ def turned(shrinks, angle=0.25, steps=400, drifts=0.0):
     for step in range(steps):
         turn, radius = step * angle, np.exp(-shrinks * step)
         unknown = radius * np.array([np.cos(turn), np.sin(turn)]) + drifts * step
-        moment = Moment(0.5 * step, unknown, None, None, None)
+        moment = Moment(0.5 * step, unknown)
         moved = 0.0 if last is None else np.linalg.norm(unknown - last)
         last = unknown
         if rounds.closed(moment, moved, np.linalg.norm):
