@@ -33,10 +33,14 @@ FINEST = 1e-9
 """Smallest errors that a finer grid still lowers: what solves to the usual tolerance leave."""
 
 
+class TooLarge(InputError):
+    """A grid that there is no memory for, or whose unknowns PETSc cannot count."""
+
+
 def chosen(scene, load):
     """The scene on the grid for its accuracy; itself where the points are given.
 
-    InputError, with the size that it would take and the best that can be done, where no grid in
+    TooLarge, with the size that it would take and the best that can be done, where no grid in
     memory reaches it.
     """
     if scene.points != "auto":
@@ -49,7 +53,7 @@ def chosen(scene, load):
     sheared = any(tangential_legs(scene, load))
     points = tuple(_points(scene, sheared, axis, scene.accuracy) for axis in range(scene.dimension))
     if scene.accuracy < FINEST or memory_needed(scene, load, points) > memory():
-        raise InputError(_too_large(scene, load, points))
+        raise TooLarge(_too_large(scene, load, points))
     return on(scene, points)
 
 

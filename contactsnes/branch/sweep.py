@@ -16,7 +16,7 @@ import numpy as np
 from tqdm import tqdm
 
 from ..options.arguments import a_path, of_class, several, unfit, whole
-from ..options.database import database
+from ..options.database import LISTED, database
 from ..options.fields import InputError, as_text, meant
 from ..options.values import instance
 from ..output import resuming
@@ -260,7 +260,7 @@ def _others(case):
              if name not in Scene.__dataclass_fields__}
     for name in found:
         if name not in known:
-            raise InputError(f"{name} is no option" + meant(name, known))
+            raise InputError(f"{name} is no option" + meant(name, known, LISTED))
     return found
 
 

@@ -4,9 +4,9 @@ made."""
 import math
 
 from ..interface import shapes
-from ..options.fields import InputError, as_text
+from ..options.fields import as_text
 from ..scene.settings import loaded_legs, tangential_legs
-from .grid_choice import cell_of, nice_below, window_part
+from .grid_choice import TooLarge, cell_of, nice_below, window_part
 from .memory import memory, memory_of_solve
 
 MOST_UNKNOWNS = 2 ** 31 - 1
@@ -17,7 +17,7 @@ solve."""
 
 
 def refuse_too_large(scene, load, form):
-    """InputError, with what would fit, unless memory holds the solves of a scene on its grid, and
+    """TooLarge, with what would fit, unless memory holds the solves of a scene on its grid, and
     PETSc can count the unknowns.
 
     To be called before anything of the grid's size is made.
@@ -40,8 +40,8 @@ def refuse_too_large(scene, load, form):
         needed = memory_of_solve(unknowns, nodes) + shape
     share = min(room / needed, MOST_UNKNOWNS / unknowns if unknowns else 1.0)
     if share < 1.0:
-        raise InputError(_too_many(scene, cell, needed, room, unknowns,
-                                   share ** (1 / cell.dimension)))
+        raise TooLarge(_too_many(scene, cell, needed, room, unknowns,
+                                 share ** (1 / cell.dimension)))
 
 
 def _least_part(cell, load):

@@ -14,6 +14,7 @@ import sys
 
 from .. import __version__
 from ..branch.failures import uncomputable
+from ..branch.grid_choice import TooLarge
 from ..options.database import database, read
 from ..options.fields import InputError, meant
 from ..options.words import asks_for_help
@@ -179,7 +180,7 @@ def info(arguments):
     try:
         branch = create_branch(settings if legs else settings._replace(load=still,
                                                                        steps=scenes.Steps()))
-    except InputError:
+    except TooLarge:
         _advise(settings)
         raise
     sections = {"Scene": summary.about_scene(settings),
@@ -208,7 +209,7 @@ def _print(sections):
 
 
 def _advise(settings):
-    """Print what is known of a scene that is then refused."""
+    """Print what is known of a scene whose grid is then refused."""
     _print({"Before solving": summary.advised(settings)})
 
 

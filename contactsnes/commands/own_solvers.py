@@ -5,6 +5,7 @@ import inspect
 import re
 import sys
 from importlib import import_module
+from importlib.util import find_spec
 
 from ..interface import own_methods
 from ..options.database import database
@@ -49,10 +50,9 @@ def _check_one(named, path, needed):
     if not all(part.isidentifier() for part in path.split(".")):
         raise InputError(f"{named}: allowed is MODULE.CLASS, of a module that Python can import")
     try:
-        found = _found(named, path)
+        found = _found(named, path, needed)
     except ImportError as error:
-        raise InputError(f"{named}, which cannot be imported ({error}): name MODULE.CLASS, and the "
-                         "folder of the module in the environment's PYTHONPATH") from None
+        raise InputError(f"{named}, {_missing(path, error)}") from None
     except InputError:
         raise
     except (Exception, SystemExit) as error:
@@ -60,7 +60,7 @@ def _check_one(named, path, needed):
                          ) from None
     # (what a function makes is known when it is called)
     made = isinstance(found, type) or not callable(found)
-    if made and not any(callable(getattr(found, method, None)) for method in needed):
+    if made and not _has_one(found, needed):
         raise InputError(f"{named}, which has no {' and no '.join(needed)}: it is no solver")
     if callable(found):
         _check_call(named, found)
@@ -100,25 +100,47 @@ def _check_call(named, found):
                          "them defaults") from None
 
 
-def _found(named, path):
+def _found(named, path, needed):
     """The class, function or module of a dotted name; InputError for a class that there is not.
 
     Parameters
     ----------
     named : str, how the sentence begins
     path : str
+    needed : tuple of str, methods of which it has to have one
     """
     module, _, name = path.rpartition(".")
     known = vars(import_module(module)) if module else {}
     if name in known:
         return known[name]
-    if module and "__path__" not in known:
-        classes = [other for other, found in known.items()
-                   if isinstance(found, type) and found.__module__ == module]
-        raise InputError(f"{named}, a class that there is not" + meant(
-            name, classes, ": files of methods, which contactsnes compare lists, name those that "
-            "are there", f"{module}."))
+    if module and not ("__path__" in known and find_spec(path)):
+        classes = [other for other, found in known.items() if isinstance(found, type)
+                   and found.__module__ == module and _has_one(found, needed)]
+        there = f": it has {', '.join(classes)}" if classes else ", nor any that is a solver"
+        raise InputError(f"{named}, but {module} has no class {name}"
+                         + meant(name, classes, there, f"{module}."))
     return import_module(path)
+
+
+def _has_one(found, needed):
+    """Whether something has one of the methods that a solver needs."""
+    return any(callable(getattr(found, method, None)) for method in needed)
+
+
+def _missing(path, error):
+    """Why a dotted name cannot be imported, and what to do.
+
+    Parameters
+    ----------
+    path : str
+    error : ImportError
+    """
+    if not error.name or not f"{path}.".startswith(f"{error.name}."):
+        return f"whose module cannot be imported ({error}): give it what it imports"
+    todo = ("files of methods, which contactsnes compare lists, name those of this program"
+            if error.name.partition(".")[0] == PACKAGE and error.name != path
+            else "name MODULE.CLASS, and the folder of the module in the environment's PYTHONPATH")
+    return f"but Python finds no module {error.name}: {todo}"
 
 
 def blamed(error):

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .. import __version__
-from ..branch.grid_choice import chosen, on
+from ..branch.grid_choice import TooLarge, chosen, on
 from ..contact.balance import CONVERGENCE
 from ..interface import shapes
 from ..options.database import check_names, check_values, database, petsc_arguments, read
@@ -83,7 +83,7 @@ def settled():
 def start_petsc(arguments, refused=lambda settings: None):
     """Initialise PETSc with the arguments of a command and read the settings from its database.
 
-    ``refused`` is called with settings whose scene has no grid in memory, before the InputError.
+    ``refused`` is called with settings whose grid there is no memory for, before the InputError.
     """
     try:
         os.getcwd()
@@ -101,7 +101,7 @@ def start_petsc(arguments, refused=lambda settings: None):
     settings = Settings(scene, form, load, steps, output)
     try:
         return settings._replace(scene=_with_points(settings))
-    except InputError:
+    except TooLarge:
         refused(settings)
         raise
 

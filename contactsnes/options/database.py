@@ -29,6 +29,9 @@ that a sentence on bad input leaves unread. Signals are, too: PETSc's handlers w
 
 SOLVER = re.compile(NESTS + r"*(snes|ksp|pc)_")
 
+LISTED = ": contactsnes run -help names those that there are"
+"""How a sentence about a name ends that is like none."""
+
 SOURCE = re.compile(r" # \(source: [a-z ]+\)$")
 """What newer PETSc appends to an option, where its value came from."""
 
@@ -216,7 +219,7 @@ def check_names(classes=()):
             words = set(inner.split("_"))
             like = [known for known in names if known.startswith(prefix)
                     or words <= set(known.split("_"))]
-            sentences.append(f"-{name} is no option" + meant(inner, like, prefix=f"-{head}"))
+            sentences.append(f"-{name} is no option" + meant(inner, like, LISTED, f"-{head}"))
         elif head and not re.fullmatch(NESTS + "*", head):
             # Others may use our solvers under prefixes of their own, but hardly under one that is
             # so much like ours.

@@ -5,6 +5,9 @@ from typing import ClassVar
 
 from ..options.fields import InputError, Options, option
 
+FORMATS = ("png", "pdf", "svg")
+"""Kinds of files of figures."""
+
 STYLES = "name or file of a style of matplotlib"
 
 
@@ -27,7 +30,7 @@ class PlotOptions(_OfPoints):
 
     prefix: ClassVar[str] = "plot_"
     title: ClassVar[str] = "Figures: contactsnes plot"
-    format: str = option("png", "kinds of files", choices=("png", "pdf", "svg"), many="list")
+    format: str = option("png", "kinds of files", choices=FORMATS, many="list")
     output: str = option("", "folder of the figures", default_text="that of the archive")
     points: str = option("", "points of profiles and maps, from 0 or from the end: 0,5,-1",
                          default_text="begin, events, end, and some between")

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import ClassVar, NamedTuple
 
+from ..options.arguments import unfit
 from ..options.fields import (
     LARGEST,
     WITH_UNIT,
@@ -53,7 +54,9 @@ class TypedLeg:
 @cache
 def quantities(dimension):
     """Name -> Quantity of the controllable quantities: normal before tangential, displacement
-    before force."""
+    before force. InputError for a dimension that no interface has."""
+    if dimension not in (1, 2):
+        raise unfit("the dimension of the interface", dimension, "1 or 2")
     forces = {1: ("w_n,r", "w_t,r"), 2: ("R phi_n", "R sqrt(phi_n phi_t)")}[dimension]
     table = {"normal_displacement": Quantity(0, "displacement", "u_n,r"),
              "normal_force": Quantity(0, "force", forces[0])}

@@ -467,6 +467,14 @@ def test_info_advises_on_a_scene_out_of_reach(tmp_path):
         assert words in done.stdout
 
 
+def test_info_advises_on_grids_only_that_are_too_large(tmp_path):
+    np.save(tmp_path / "short.npy", np.zeros(16))
+    done = call("info", *SMALL, "-scene_geometry", "file", "-scene_geometry_file", "short.npy",
+                folder=tmp_path)
+    refused(done, "short.npy", "shape")
+    assert not done.stdout
+
+
 @pytest.mark.parametrize("arguments, text", [(SMALL, "no legs"),
                                              (["-scene_dimension", "2", "-scene_points", "32",
                                                "-scene_geometry", "sphere", "-scene_normal_maugis",

@@ -80,6 +80,7 @@ def folder(tmp_path, monkeypatch, kept_options):
     """The working folder, from which Python imports modules of a user's own."""
     (tmp_path / "solvers_of_mine.py").write_text(MODULE, encoding="utf-8")
     (tmp_path / "broken_solvers.py").write_text("def f(:\n", encoding="utf-8")
+    (tmp_path / "importing_solvers.py").write_text("import nowhere\n", encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(str(tmp_path))
     yield tmp_path
@@ -94,6 +95,12 @@ def folder(tmp_path, monkeypatch, kept_options):
     (SNES, "solvers_of_mine.Short", "whose solve takes (self, snes), but is called as solve("),
     (PC, "solvers_of_mine.Short", "whose apply takes (self, pc, x), but is called as apply(pc, x"),
     (SNES, "solvers_of_mine.Failling", "did you mean solvers_of_mine.Failing?"),
+    (SNES, "solvers_of_mine.Other", "solvers_of_mine has no class Other: it has Failing, "),
+    (SNES, "string.Other", "string has no class Other, nor any that is a solver"),
+    (SNES, "json.Other", "json has no class Other, nor any that is a solver"),
+    (SNES, "nowhere.Solver", "Python finds no module nowhere: name MODULE.CLASS, and the folder"),
+    (SNES, "contactsnes.solvers.fire.Fire", "compare lists, name those of this program"),
+    (SNES, "importing_solvers.Any", "whose module cannot be imported (No module named 'nowhere')"),
     (SNES, "solvers_of_mine", "has no solve and no step"),
     (SNES, "./solvers_of_mine.py:Failing", "allowed is MODULE.CLASS"),
     (SNES, "broken_solvers.Any", "whose module fails (SyntaxError"),

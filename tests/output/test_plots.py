@@ -1,6 +1,8 @@
 """Figures of archives: those that make sense are written, the others are named with the reason."""
 
 import re
+from pathlib import Path
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -481,6 +483,18 @@ def test_several_archives_stand_in_one_figure(tmp_path):
     assert texts[:2] == ["one", "two"] and texts.count("jump") == 1
 
 
+@pytest.mark.parametrize("paths, names", [
+    (["one.h5", "there/two.h5"], ["one", "two"]),
+    (["run.h5", "../run.h5"], ["here/run", "{}/run"]),
+    (["a/x/run.h5", "b/x/run.h5", "b/run.h5"], ["a/x/run", "b/x/run", "b/run"]),
+    (["run.h5", "run.h5"], ["run", "run"])])
+def test_archives_of_one_name_are_told_apart_by_their_folders(tmp_path, monkeypatch, paths, names):
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    records = [SimpleNamespace(path=Path(path)) for path in paths]
+    assert curves.labels(records) == [name.format(tmp_path.name) for name in names]
+
+
 @pytest.mark.parametrize("displacement", ["approach", "normal_displacement"])
 def test_measured_loads_stand_beside_the_curves_of_their_displacement(tmp_path, displacement):
     archive_of(tmp_path / "run.h5", [(row, ()) for row in loading(compliance=0.3)])
@@ -647,7 +661,9 @@ def test_size_style_and_columns(tmp_path):
                           (dict(columns="tangential_force,event"), "no column event of numbers"),
                           (dict(format="gif"), "-plot_format is 'gif'"),
                           (dict(size=2.0), "-plot_size is too small for"),
-                          (dict(together="a/b"), "-plot_output")):
+                          (dict(together="a/b"), "-plot_output"),
+                          (dict(together=".."), "-plot_output"),
+                          (dict(together="all.png"), "whose ending -plot_format says")):
         for file in tmp_path.glob("*.png"):
             file.unlink()
         with pytest.raises(InputError, match=re.escape(word)):

@@ -517,6 +517,18 @@ def test_text_of_values_reads_back():
         assert float(as_text(value)) == value
 
 
+def test_interfaces_have_one_dimension_or_two():
+    with pytest.raises(InputError, match="the dimension of the interface is 3: give 1 or 2"):
+        Load(path="normal_force=1").legs(3)
+
+
+@pytest.mark.parametrize("name", ("scene_temperature", "scene_grid", "scene_n"))
+def test_what_only_begins_alike_is_not_near(name):
+    """Prefixes make long parts of names alike."""
+    known = ("scene_period", "scene_geometry", "scene_dimension", "scene_normal_maugis")
+    assert nearest(name, known) == ""
+
+
 def test_nearest():
     """A letter or two first, then all words, then the beginning, then what looks most alike."""
     assert nearest("poison", ("poisson", "period")) == "poisson" and nearest("qqq",
@@ -525,6 +537,7 @@ def test_nearest():
     assert nearest("scene_unit", names) == "scene_units"
     assert nearest("scene_maugis", names) == "scene_normal_maugis"
     assert nearest("scene_maugis_of_friction", names) == "scene_normal_maugis"
+    assert nearest("scene_steps", ("scene_slope", "scene_largest_step")) == "scene_largest_step"
     assert nearest("leadin", ("fold_kind", "leading_eigenvalue")) == "leading_eigenvalue"
 
 

@@ -1,6 +1,8 @@
 """Figures of any columns against each other: of one archive, or of several together."""
 
-from collections import Counter
+import os
+from itertools import count
+from pathlib import Path
 
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -18,10 +20,17 @@ COLOURS = 7
 
 
 def labels(records):
-    """What tells archives apart in a legend: their names, with folders where names are the same."""
-    stems = Counter(record.path.stem for record in records)
-    return [record.path.stem if stems[record.path.stem] == 1
-            else f"{record.path.parent.name}/{record.path.stem}" for record in records]
+    """What tells archives apart in a legend: their names, where these are the same with as many of
+    their folders as tell them apart."""
+    paths = [Path(os.path.abspath(record.path)) for record in records]
+    names = [(*path.parent.parts[1:], path.stem) for path in paths]
+    return ["/".join(own[-_depth(own, set(names) - {own}):]) for own in names]
+
+
+def _depth(own, others):
+    """How many of the last parts of a path no other path ends with."""
+    return next(depth for depth in count(1)
+                if all(other[-depth:] != own[-depth:] for other in others))
 
 
 def draw_columns(records, columns, measured=(), part_of=lambda record: slice(0, None)):

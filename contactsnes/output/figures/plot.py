@@ -30,7 +30,7 @@ import matplotlib
 
 from ...options.arguments import a_path, several
 from ...options.fields import InputError
-from ..asked import PlotOptions, listed
+from ..asked import FORMATS, PlotOptions, listed
 from ..files import ArchiveError, wanting
 from ..prefixes import alike, read
 from ..reading import NoColumn, Record
@@ -112,9 +112,7 @@ def draw(paths, asked):
     asked : PlotOptions
     """
     measured, columns, records = read_measured(asked.with_), listed(asked.columns), []
-    if asked.together and Path(asked.together).name != asked.together:
-        raise InputError(f"-plot_together is '{asked.together}': give the beginning of the names "
-                         "of the figures, and their folder by -plot_output")
+    _check_together(asked.together)
     if not asked.together:
         _refuse_shared(paths, asked.output)
     for some in [paths] if asked.together else [[path] for path in paths]:
@@ -131,6 +129,16 @@ def draw(paths, asked):
             kinds = {"columns": partial(draw_columns, group, columns, measured), **kinds}
         yield _drawn(kinds, folder / stem, asked)
     check_used(measured, records)
+
+
+def _check_together(name):
+    """InputError for what is no beginning of the names of common figures."""
+    if name and (Path(name).name != name or name == ".."):
+        raise InputError(f"-plot_together is '{name}': give the beginning of the names of the "
+                         "figures, and their folder by -plot_output")
+    if Path(name).suffix[1:].lower() in FORMATS:
+        raise InputError(f"-plot_together is '{name}': give the beginning of the names of the "
+                         "figures, whose ending -plot_format says")
 
 
 def _refuse_shared(paths, output):
