@@ -76,7 +76,7 @@ class LimitPoint:
     @property
     def bracketed(self):
         """Whether the load turns in between."""
-        return self.sign * self.right.slope <= 0.0
+        return not self.level and self.sign * self.right.slope <= 0.0
 
     @property
     def level(self):

@@ -420,9 +420,11 @@ class Checker:
                 doubt = 1e-9 * (1.0 + abs(means[i])) + 10.0 * self.tolerance / self.ranges[i]
                 self._same(name, point, means[i], doubt)
                 layer = soft[min(i, 1)] / self.area
-                far = means[i] + layer * path[names(self.dimension, "force")[i]][point]
-                self._same(names(self.dimension, "displacement")[i], point, far,
-                           doubt + 2.0 * self.tolerance * layer)
+                force = path[names(self.dimension, "force")[i]][point]
+                # (a force that is controlled errs in proportion to its size)
+                self._same(names(self.dimension, "displacement")[i], point,
+                           means[i] + layer * force,
+                           doubt + 2.0 * self.tolerance * max(1.0, abs(force)) * layer)
         self._same("minimum_gap", point, gap[0].min() / self.ranges[0],
                    1e-9 * (1.0 + np.abs(gap[0]).max()))
         self._same("maximum_pressure", point, max(0.0, -law[0].min()), 1e-7 * largest)

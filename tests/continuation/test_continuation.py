@@ -896,6 +896,14 @@ def test_a_fold_that_the_load_has_passed_before_its_bracket_is_not_its_limit(end
         assert peak.locate().state[0] == pytest.approx(np.arccos(0.05), abs=1e-6)
 
 
+def test_where_the_load_stands_still_none_turns():
+    """As of a body out of the law's range: its last two points have no slope at all."""
+    system = System(curve(np.zeros_like, np.zeros_like))
+    ends = [system._point(np.array([u]), UNIT_LEG.load(0.0), 3).changed(position=0.0)
+            for u in (0.0, 1e-6)]
+    assert not LimitPoint(system, UNIT_LEG, *ends).bracketed
+
+
 @pytest.mark.parametrize("end, back", [(0.001, True), (0.01, False), (-0.2, False), (-0.01, True)])
 def test_a_jump_leads_away_from_its_fold(end, back):
     """A motion that began a tenth beside a fold has left it a twentieth ahead of it, or half of
