@@ -154,8 +154,9 @@ class Corrector:
                 self.log(in_words(guess.window))
             kept = None
             self.release()  # the old one's memory is the new one's
+            half = guess.half if self.symmetry.holds(len(controls)) else None
             self.form = kind(self.contact, *(() if kind.whole_cell else (guess.window,)),
-                             controls, *([parities, guess.half] if parities else []))
+                             controls, *([parities, half] if parities else []))
         if kind.whole_cell:
             self.form.even = self.symmetry.plain(len(controls))
         return self.form

@@ -184,7 +184,8 @@ class Tracer(Corrector, Neighbours, Ends):
         moved : array of the form's size
         means : array (components,), ranges of the law, kept as it is
         """
-        half, law = state.half if isinstance(form, EvenForm) else None, self.contact.law
+        law, known = self.contact.law, isinstance(form, EvenForm) and state.half is not None
+        half = state.half if known and state.half == form.half.window else None
         field = form.displacement(moved) if half is None else form.once(moved)
         begin = state.normal if half is None else state.once[0]
         gap = begin + self.contact.gap_on(half or form.window)

@@ -232,7 +232,7 @@ class Balance:
     def _halved(self, state, solver):
         """Whether the half of a state tells of all of its nodes: it is made of that alone, as the
         gap is, on a window on which halves have been tried."""
-        if (state.half is None or not isinstance(solver, EvenForm)
+        if (not isinstance(solver, EvenForm) or not solver.tells(state)
                 or self._proved != (state.window, solver.components)):
             return False
         if self._mirrored[0] != state.window:

@@ -2,12 +2,13 @@
 even or odd about the apex."""
 
 from functools import cached_property
+from weakref import ref
 
 import numpy as np
 
-from ..grid.cosines import EvenConvolution
 from ..grid.even import halved
 from ..grid.parity import parities as parities_of
+from ..grid.sides import even_convolution
 from ..kernels.forms import twin
 from .forms import DisplacementForm
 from .problem import DISPLACEMENT
@@ -26,7 +27,7 @@ class HalfForm(DisplacementForm):
     window : EvenWindow
     """
 
-    convolution_class = EvenConvolution
+    convolution_class = staticmethod(even_convolution)
 
     def __init__(self, contact, window, controls):
         odd = [-1 in signs for signs in window.parities or ((),) * len(controls)]
@@ -81,6 +82,7 @@ class EvenForm:
         self.node_scale = scale
         self._scale = np.append(np.tile(scale, self.components), np.ones(half.size - half.count))
         self._plain = np.empty(self.size)
+        self._made = None  # the last state, which may have no half of its own
 
     @cached_property
     def kernel(self):
@@ -154,7 +156,14 @@ class EvenForm:
 
     def state(self, unknown):
         """The State of an unknown, as of `DisplacementForm`."""
-        return self.half.state(self.plain(unknown))
+        made = self.half.state(self.plain(unknown))
+        self._made = ref(made)
+        return made
+
+    def tells(self, state):
+        """Whether a state is known by half of its nodes, or is the last one that was made of these
+        by this form."""
+        return state.half is not None or (self._made is not None and self._made() is state)
 
     def gap(self, unknown):
         """Gap a (components, nodes), ranges of the law, in memory of the form."""

@@ -186,7 +186,8 @@ def weighted(arrays, weights):
 
 
 def spread(nodes, displacement, means):
-    """The state with displacements at the nodes of a window, each once.
+    """The state with displacements at the nodes of a window, each once; at all nodes of one that has
+    a mirror in one direction only, as what is made of states knows quarters alone.
 
     Parameters
     ----------
@@ -196,4 +197,6 @@ def spread(nodes, displacement, means):
     """
     if not nodes.even:
         return State(nodes, displacement, means)
+    if not all(nodes.mirrors):
+        return State(nodes.full, nodes.unfold(displacement), means)
     return Mirrored.of(nodes, displacement, means)

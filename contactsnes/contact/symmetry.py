@@ -5,7 +5,7 @@ from functools import cache, partial
 
 from ..grid.clusters import cost
 from ..grid.even import centred, halved, lone, unlike
-from ..grid.parity import asymmetry, obstacle
+from ..grid.parity import asymmetry, obstacle, one_mirror
 from ..grid.parity import parities as parities_of
 from ..options.fields import InputError
 from .even_form import EvenForm
@@ -59,20 +59,20 @@ class Symmetry:
         return self.contact.scattered and not (self.contact.grid.shared and self.holds(components))
 
     def parities(self, components):
-        """Those of so many components, of `parity.parities`; None where states are not taken for
-        even or odd."""
+        """Those of so many components, of `parity.parities`, or, where states have one mirror of
+        two, of `parity.one_mirror`; None where they have none."""
         return self._told(components, self._loaded)[1] if self.wanted else None
 
     def plain(self, components):
         """Whether all of so many components are taken for even in all directions."""
         found = self.parities(components)
-        return found is not None and all(-1 not in signs for signs in found)
+        return found is not None and unlike(found) is None
 
     def checked(self, state):
         """The state; if it is not even where it should be, no state is taken for even from now
         on."""
         count = state.components
-        if not self.holds(count) or self._is_known(state):
+        if self.parities(count) is None or self._is_known(state):
             return state
         if not self._is_even(state):
             self.leave("the state is not even about the apex")
@@ -93,7 +93,7 @@ class Symmetry:
             return False
         if centred(state.window) == state.window:
             return True
-        unpaired = lone(state.window)
+        unpaired = lone(state.window, self.parities(state.components))
         return self.contact.grid.minimum(normal_gap(self.contact, state),
                                          where=unpaired) >= self.contact.law.certain
 
@@ -108,7 +108,8 @@ class Symmetry:
         state = self.checked(state)
         if state.half is not None:
             return state
-        window = centred(state.window) if self.holds(state.components) else state.window
+        even = self.parities(state.components) is not None
+        window = centred(state.window) if even else state.window
         if (len(window.parts) < len(state.window.parts) and not self.asked
             and 2.0 * cost(state.window) < cost(window)):
             self.leave("boxes around the spots cost less than half of one window")
@@ -144,18 +145,19 @@ class Symmetry:
 
     def form(self, components):
         """The class of displacement forms for states with so many components."""
-        return EvenForm if self.holds(components) else DisplacementForm
+        return DisplacementForm if self.parities(components) is None else EvenForm
 
 
 def _told(contact, components, loaded):
-    """(whether states with so many components are even or odd, their parities where they are).
+    """(whether states with so many components are even or odd in all directions, their parities
+    where they are so in one at least).
 
     Parameters
     ----------
     contact, components, loaded : as of `parity.obstacle`
     """
     if obstacle(contact, components, loaded) is not None:
-        return False, None
+        return False, one_mirror(contact, components, loaded)
     return True, parities_of(contact.operator(components), components, loaded)
 
 

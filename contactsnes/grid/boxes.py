@@ -31,7 +31,7 @@ class Spots:
     parts : the boxes, each a Window; nodes are those of one box after the other
     """
 
-    even, is_whole, picked = False, False, False
+    even, is_whole, picked, mirrors = False, False, False, Window.mirrors
 
     def __init__(self, grid, start, shape):
         self.grid = grid

@@ -176,7 +176,7 @@ class EvenConvolution(Convolution):
     def __init__(self, window, operator, count, make=Cosines):
         self.window, self.count, self._make = window, count, make
         self._circle = tuple(limit if closed else fast_length(2 * n - 1)
-                             for n, limit, closed in zip(window.extents, window.limits,
+                             for n, limit, closed in zip(window.outwards, window.limits,
                                                          window.closed))
         self.transform = window.placed(make(window.grid, self._circle, count, window.parities))
         self.blocks = {key: self._symbol(operator, key) for key in operator.blocks}
@@ -192,7 +192,7 @@ class EvenConvolution(Convolution):
             part = operator.blocks[key][tuple(slice(0, m) for m in self._circle)]
             return self.transform.ordered(sign * (part * 1j ** own.count(-1)).real)
         lags = tuple(slice(0, m if closed else 2 * n - 1)
-                     for n, m, closed in zip(window.extents, self._circle, window.closed))
+                     for n, m, closed in zip(window.outwards, self._circle, window.closed))
         rows, kernel = operator.kernel_at(key, lags)
         plan = window.grid.placed(self._make(window.grid, self._circle, 1,
                                              (own,) if -1 in own else None), *rows)

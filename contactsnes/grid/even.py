@@ -1,5 +1,5 @@
-"""Fields that are even or odd about the apex: half a line or a quarter of a plane of their nodes,
-and weights.
+"""Fields that are even or odd about the apex: half a line, a quarter of a plane of their nodes, or
+half of it where they are so in one direction only, and weights.
 
 A node at distance d from the apex in a direction stands for those at -d and d: it counts twice, but
 once on the axis (d = 0) and where the cell closes on itself (d = N/2). Odd fields vanish at these.
@@ -31,18 +31,25 @@ def centred(window):
     return window.grid.box(start, shape)
 
 
-def lone(window):
+def lone(window, parities=None):
     """Mask of the nodes of a window (nodes) whose mirror image in some direction lies outside of
-    it."""
+    it.
+
+    Parameters
+    ----------
+    window : Window
+    parities : as of `EvenWindow`
+    """
     known = np.zeros((1, *window.grid.local_shape), dtype=bool)
     window.put(np.ones((1, window.size), dtype=bool), known)
     return window.take(np.any([known & ~window.grid.mirrored(known, axis)
-                               for axis in range(len(window.grid.shape))], axis=0))[0]
+                               for axis in range(len(window.grid.shape))
+                               if axis != without_mirror(parities)], axis=0))[0]
 
 
 class EvenGrid(Grid):
-    """A grid whose reductions run over half of the nodes of even fields (a quarter in the plane),
-    each with its weight."""
+    """A grid whose reductions run over half of the nodes of even fields (a quarter in the plane
+    where they are even in both directions), each with its weight."""
 
     def __init__(self, grid, weights):
         vars(self).update(vars(grid))
@@ -60,7 +67,17 @@ class EvenGrid(Grid):
 
 def unlike(parities):
     """Parities, or None where all components are even in all directions."""
-    return parities if parities and any(-1 in signs for signs in parities) else None
+    return parities if parities and any({-1, 0} & {*signs} for signs in parities) else None
+
+
+def without_mirror(parities):
+    """The direction of the plane in which fields are neither even nor odd, or None.
+
+    Parameters
+    ----------
+    parities : as of `EvenWindow`, or None
+    """
+    return parities[0].index(0) if parities and 0 in parities[0] else None
 
 
 def _flat(axes, shape):
@@ -105,12 +122,14 @@ def halved(window, parities=None):
 
 
 class EvenWindow:
-    """The nodes of a centred window from the apex outwards, in each direction.
+    """The nodes of a centred window from the apex outwards, in each direction that has a mirror.
 
     Attributes
     ----------
     full : the window itself, on whose nodes states are known
-    parities : for each component and direction 1 (even) or -1 (odd); None: all are even
+    parities : for each component and direction 1 (even) or -1 (odd), or, of all components in one
+        direction of the plane, 0: there nodes are those of the whole window; None: all are even
+    mirrors : whether a direction has a mirror
     shape : nodes in each direction
     closed : whether the window fills a direction, where the cell closes on itself
     """
@@ -120,15 +139,27 @@ class EvenWindow:
     def __init__(self, full, parities=None):
         cell = full.grid
         self.parities = unlike(parities)
-        self.full, self.start = full, tuple(n // 2 for n in cell.shape)
-        self.shape = self.extents = tuple(n // 2 + 1 for n in full.shape)
+        without = without_mirror(self.parities)
+        self.mirrors = tuple(axis != without for axis in range(len(cell.shape)))
+        self.full, self.start = full, tuple(
+            n // 2 if mirror else first
+            for n, first, mirror in zip(cell.shape, full.start, self.mirrors))
+        self.shape = self.extents = tuple(n // 2 + 1 if mirror else n
+                                          for n, mirror in zip(full.shape, self.mirrors))
         self.size = math.prod(self.shape)
         self.closed = tuple(n == total for n, total in zip(full.shape, cell.shape))
         self.limits = tuple(n // 2 + 1 for n in cell.shape)
-        folded = [(n // 2 + np.arange(count)) % n for n, count in zip(full.shape, self.shape)]
+        folded = [(n // 2 * mirror + np.arange(count)) % n
+                  for n, count, mirror in zip(full.shape, self.shape, self.mirrors)]
         self._folded = _flat(folded, full.shape)
-        lines = [line_weights(*line) for line in zip(self.shape, self.closed)]
+        lines = [line_weights(count, closed) if mirror else np.ones(count)
+                 for count, closed, mirror in zip(self.shape, self.closed, self.mirrors)]
         self.grid = EvenGrid(cell, reduce(np.multiply.outer, lines).reshape(-1))
+
+    @property
+    def outwards(self):
+        """Nodes of each direction from the axis outwards."""
+        return tuple(n if mirror else n // 2 + 1 for n, mirror in zip(self.extents, self.mirrors))
 
     box, parts, total = Window.box, Window.parts, Window.total
     occupied, ends, own, line = Window.occupied, Window.ends, Window.own, Window.line
@@ -177,25 +208,31 @@ class EvenWindow:
     def rim(self):
         """Mask of the nodes on the border of the full window, as `windows.Window.rim`."""
         mask = np.zeros(self.shape, dtype=bool)
-        for axis, closed in enumerate(self.closed):
+        for axis, (closed, mirror) in enumerate(zip(self.closed, self.mirrors)):
             if not closed:
-                mask[(*[slice(None)] * axis, -1)] = True
+                mask[(*[slice(None)] * axis, [-1] if mirror else [0, -1])] = True
         return mask.reshape(-1)
 
     rim_places = Window.rim_places
 
     def ringed(self, box):
-        """A box (rows, columns) of the plane with the mirror images around it."""
-        return np.pad(box, 1, "reflect")
+        """A box (rows, columns) of the plane with the mirror images around it; where there is no
+        mirror, with the nodes around it, or its outermost nodes again."""
+        for axis, (closed, mirror) in enumerate(zip(self.closed, self.mirrors)):
+            box = np.pad(box, [(int(axis == other),) * 2 for other in range(box.ndim)],
+                         "reflect" if mirror else "wrap" if closed else "edge")
+        return box
 
     def area_below(self, values, level):
         """Area where even values (nodes) of the plane lie below a level, as
         `windows.Window.area_below`: that between these nodes, and of its mirror images."""
-        return float(4.0 * self.grid.node_area
+        return float(2 ** sum(self.mirrors) * self.grid.node_area
                      * area_below(self.ringed(self.box(values)), level, self.grid))
 
     def along(self, line, axis):
         """A line of the full window along an axis, from that at these nodes and the apex on."""
+        if not self.mirrors[axis]:
+            return line
         return np.concatenate([line[:0:-1], line[:self.full.extents[axis] - len(line) + 1]])
 
     def fold(self, values):
@@ -223,6 +260,8 @@ class EvenWindow:
         arrays (components, nodes) alone."""
         found = self.box(values)
         for axis, n in enumerate(self.full.shape, start=-len(self.shape)):
+            if not self.mirrors[axis]:
+                continue
             # from the apex outwards and back
             inwards = (..., slice(None, 0, -1), *[slice(None)] * (-1 - axis))
             outwards = (..., slice(0, n - n // 2), *[slice(None)] * (-1 - axis))
@@ -238,8 +277,8 @@ class EvenWindow:
     def around(self, values, part):
         """Values (components, *part) in a part of the full window's box, slices by direction, from
         those (components, nodes) at these nodes."""
-        places = [np.arange(cut.start, cut.stop) - n // 2
-                  for cut, n in zip(part, self.full.extents)]
+        places = [np.arange(cut.start, cut.stop) - n // 2 * mirror
+                  for cut, n, mirror in zip(part, self.full.extents, self.mirrors)]
         found = self.box(values)[..., :1 + np.max(np.abs(places[-1]), initial=0)]
         for axis, (place, n) in enumerate(zip(places, self.full.extents)):
             found = self._along(found, place, axis)
@@ -263,7 +302,7 @@ class EvenWindow:
     def of(self, component):
         """The signs of a component in each direction; None where it is even in all."""
         signs = self.parities and self.parities[component]
-        return signs if signs and -1 in signs else None
+        return signs if signs and {-1, 0} & {*signs} else None
 
     def take(self, field):
         """Values (..., nodes) of a field (..., *grid) at these nodes."""

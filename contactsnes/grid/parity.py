@@ -49,7 +49,7 @@ def _measured(block, grid):
     return None
 
 
-def parities(operator, components, loaded=()):
+def parities(operator, components, loaded=(), without=None):
     """For each component and direction whether it is even (1) or odd (-1) about the apex, tuples;
     None where mirror images are not bound to differ by signs alone.
 
@@ -63,12 +63,14 @@ def parities(operator, components, loaded=()):
     operator : Operator, the body's compliance among the components
     components : int
     loaded : tangential components on which loads act
+    without : direction whose mirror images are not asked for, and which has 0; None: all are
     """
-    even = (1,) * len(operator.grid.shape)
+    even = tuple(int(axis != without) for axis in range(len(operator.grid.shape)))
     found = {i: even for i in (0, *loaded)}
     between = {key: parity(operator, key) for key in operator.blocks}
     if None in between.values():
         return None
+    between = {key: tuple(a * b for a, b in zip(own, even)) for key, own in between.items()}
     while True:
         for (i, j), own in between.items():
             if j in found and i not in found:
@@ -82,6 +84,20 @@ def parities(operator, components, loaded=()):
     bound = all(own == tuple(a * b for a, b in zip(found[i], found[j]))
                 for (i, j), own in between.items())
     return tuple(found[i] for i in range(components)) if bound else None
+
+
+def one_mirror(contact, components, loaded=()):
+    """`parities` where mirror images differ by signs alone in one direction of the plane: across a
+    load, for a body that couples normal and tangential displacements; None where there is none.
+
+    Parameters
+    ----------
+    contact, components, loaded : as of `obstacle`
+    """
+    if len(contact.grid.shape) < 2 or contact.grid.shared or not contact.unevenness <= UNEVEN:
+        return None
+    found = (parities(contact.operator(components), components, loaded, axis) for axis in (0, 1))
+    return next(filter(None, found), None)
 
 
 def obstacle(contact, components, loaded=()):
@@ -119,7 +135,8 @@ def asymmetry(window, values, parities=None):
     ----------
     window : Window
     values : arrays (arrays, nodes)
-    parities : for each array and direction 1 (even) or -1 (odd); None: all are even
+    parities : for each array and direction 1 (even) or -1 (odd), or, of all in a direction, 0: what
+        is there is not asked; None: all are even
     """
     signs = np.ones((len(values), len(window.grid.shape))) if parities is None \
         else np.array(parities, dtype=float)
@@ -128,7 +145,7 @@ def asymmetry(window, values, parities=None):
         cell = np.full((len(values), *window.grid.local_shape), math.inf)
         window.put(values, cell)
         differences = (np.abs(cell - sign * window.grid.mirrored(cell, axis))
-                       for axis, sign in enumerate(signs))
+                       for axis, sign in enumerate(signs) if sign.any())
         with np.errstate(invalid="ignore"):
             return float(window.grid.largest(max(
                 np.max(difference, where=np.isfinite(difference), initial=0.0)
@@ -136,6 +153,8 @@ def asymmetry(window, values, parities=None):
     box, largest = window.box(values), 0.0
     for axis, (first, extent, total) in enumerate(zip(window.origin, window.extents,
                                                       window.grid.shape), start=1):
+        if not signs[axis - 1].any():
+            continue
         middle = (total // 2 - first) % total
         reach = min(middle, extent - 1 - middle)
         if reach < 0:

@@ -46,6 +46,7 @@ class SlabEven(EvenWindow):
     line, divided, put_part, placed = Slab.line, Slab.divided, Slab.put_part, Slab.placed
     ends = Slab.ends
     indices = None  # those of the cell are in other processes
+    mirrors = (True, True)
 
     def _outwards(self, rows, values, extents):
         """Values (..., nodes) at these nodes, of a box (..., rows, columns) about the apex.

@@ -149,11 +149,12 @@ def blurred(window, values, width):
     found = around(window, box, wide, reaches[0]).astype(float)
     first = box.ndim - len(window.shape)
     negligible = 1e-12 * window.grid.maximum(np.abs(found), initial=0.0)
-    for axis, (total, reach, line) in enumerate(zip(window.grid.shape, reaches, wide), first):
+    for axis, (total, reach, line, mirror) in enumerate(zip(window.grid.shape, reaches, wide,
+                                                            window.mirrors), first):
         # Of slabs nothing that counts for the rows that are here is beyond those around them.
         mode = ("nearest" if window.grid.shared and axis == first
                 else "wrap" if line.stop - line.start == total
-                else "mirror" if window.even else "nearest")
+                else "mirror" if mirror else "nearest")
         for _ in range(3 if reach and found.size else 0):
             found = scipy.ndimage.uniform_filter1d(found, 2 * reach + 1, axis=axis, mode=mode)
     # Running sums leave rounding where they have passed the last value; there the blur is zero.
@@ -173,8 +174,9 @@ def reached(window, mask, reaches):
     """
     ends = window.parts[0].ends(mask.any(axis=tuple(range(mask.ndim - len(window.shape)))))
     part, wide = (tuple(
-        _widened(*line, 3 * reach + more, *sizes, window.even)
-        for line, reach, *sizes in zip(ends, reaches, window.extents, window.grid.shape))
+        _widened(*line, 3 * reach + more, *sizes)
+        for line, reach, *sizes in zip(ends, reaches, window.extents, window.grid.shape,
+                                       window.mirrors))
         for more in (0, 1))
     own, here = (window.parts[0].own(each)[1] for each in (part, wide))
     return part, wide, tuple(slice(one.start - other.start, one.stop - other.start)

@@ -13,6 +13,8 @@ from ..grid.alternation import alternation
 from ..grid.contours import crossings
 from ..grid.cosines import Cosines
 from ..grid.counter import Counter
+from ..grid.even import without_mirror
+from ..grid.sides import Sides, parts_of
 from ..grid.splines import sources, spline
 from ..grid.transfer import blurred
 from . import library
@@ -91,6 +93,8 @@ class Interpreted:
         ----------
         grid, shape, count, parities : as of `grid.cosines.Cosines`
         """
+        if without_mirror(parities) is not None:
+            return Sides(grid, shape, count, parities, Cosines)
         return (grid.even_circle or Cosines)(grid, shape, count, parities)
 
     def law(self, law):
@@ -118,14 +122,14 @@ class Compiled:
     compiled, reason, missed = True, None, False
 
     def __init__(self, cache, agreed):
-        from . import fftw, points, slab_even, slab_real, slabs, splines, transforms
+        from . import fftw, points, sides, slab_even, slab_real, slabs, splines, transforms
 
         self._cache, self._agreed, self.law_reason, self._plain = cache, agreed, None, None
         self.spline, self.sources, self.blurred = splines.spline, splines.sources, slabs.blurred
         self.crossings, self.alternation = points.crossings, points.alternation
         fftw.remember(cache)
         self._kinds, self._slab = (transforms.Real, transforms.Cosines), slab_real.SlabReal
-        self._slab_even = slab_even.SlabEvenReal
+        self._slab_even, self._sides = slab_even.SlabEvenReal, sides.Sides
         self._kept = lru_cache(maxsize=24)(self._make)
         self._held = WeakValueDictionary()
 
@@ -176,6 +180,10 @@ class Compiled:
         """
         if grid.shared:
             return grid.even_circle(grid, shape, count, parities, self._slab_even)
+        axis = without_mirror(parities)
+        if axis is not None:
+            parts = self._charged(True, grid, shape, 2 * count, parts_of(parities, axis))
+            return self._sides(grid, shape, count, parities, parts)
         return self._charged(True, grid, shape, count, parities)
 
     def _charged(self, even, grid, shape, count, *parities):

@@ -163,13 +163,13 @@ void smooth_mask(const Blur *b, const unsigned char *mask, int mirrors, long fir
 
 /* The extent of a core whose stiff nodes, somewhere in all boxes, lie between two places: as far as a
    blur reaches. */
-static void set_extent(const Zone *z, Block *b, const long *first, const long *last, int even)
+static void set_extent(const Zone *z, Block *b, const long *first, const long *last, const int *even)
 {
     for (int axis = 0; axis < 2; axis++) {
         const long n = z->form->response->shape[axis], margin = 3 * z->reach[axis];
         long low = first[axis] - margin, high = last[axis] + margin;
         if ((low < 0 || high >= n) && z->wraps[axis]) low = 0, high = n - 1;
-        low = low < 0 || even ? 0 : low;
+        low = low < 0 || even[axis] ? 0 : low;
         high = high < n ? high : n - 1;
         b->first[axis] = low;
         b->extent[axis] = high + 1 - low;
@@ -202,7 +202,7 @@ CLONES static void keep_row(const Form *f, Block *b, const double *restrict weig
 
 /* The core in the plane: weights 0 or 1 of its nodes, blurred. Sums of these are exact: they are scaled
    once, at the end. Of picked nodes weights are left in z->mask. */
-CLONES static void find_plane(Zone *z, Block *b, const double *tangent, double level, int even)
+CLONES static void find_plane(Zone *z, Block *b, const double *tangent, double level, const int *even)
 {
     const Form *f = z->form;
     const Response *r = f->response;
@@ -222,11 +222,11 @@ CLONES static void find_plane(Zone *z, Block *b, const double *tangent, double l
             find_stiff(z, d, level, stiff, first, last);
             if (last[1] < 0) first[1] = last[1] = 0;
         }
-        blur_columns(&blur, stiff, first[1], last[1], even, sums);
+        blur_columns(&blur, stiff, first[1], last[1], even[0], sums);
         for (long j = b->first[0]; j < b->first[0] + b->extent[0]; j += ALONG) {
             const long rest = b->first[0] + b->extent[0] - j, rows = rest < ALONG ? rest : ALONG;
             double *weight = z->mask + (r->picked ? j * c : 0) + b->first[1];
-            blur_rows(&blur, sums + j * c, rows, even, weight - b->first[1]);
+            blur_rows(&blur, sums + j * c, rows, even[1], weight - b->first[1]);
             for (long l = 0; l < rows && !r->picked; l++, at += b->extent[1]) {
                 const long node = (j + l) * c + b->first[1];
                 keep_row(f, b, weight + l * c, d + node, node, at, &count, &sum);
@@ -347,12 +347,13 @@ static int find_core(Zone *z, long i)
     const Form *f = z->form;
     const double *tangent = f->tangent + (i * f->components + i) * f->nodes;
     const double most = largest_of(tangent[0], tangent, f->nodes), level = z->threshold * (most < 1.0 ? most : 1.0);
-    const int even = (int)f->response->transform->even;
+    const Transform *t = f->response->transform;
+    const int even[2] = {t->even && !t->both[0], t->even && !t->both[1]};
     Block *b = &z->block[i];
     b->on = most > 1e-6;
     if (!b->on) return 0;
     if (f->response->shape[0] > 1) find_plane(z, b, tangent, level, even);
-    else find_line(z, b, tangent, level, even);
+    else find_line(z, b, tangent, level, even[1]);
     if (f->response->picked) keep_picked(z, b, tangent);
     return 1;
 }
@@ -381,9 +382,14 @@ static void find_patches(const Zone *z, Block *b, long i)
 static int find_circle(Zone *z, long i)
 {
     Block *b = &z->block[i];
+    const long *both = z->form->response->transform->both;
+    long asked[2];
     find_patches(z, b, i);
-    const long first = rounded(z->pad * (b->extent[0] + b->before[0]));
-    const long second = rounded(z->pad * (b->extent[1] + b->before[1])), apart = b->apart ? b->apart : 1;
+    for (int axis = 0; axis < 2; axis++) {
+        const long extent = b->extent[axis] + b->before[axis];
+        asked[axis] = rounded(z->pad * (both[axis] ? extent / 2 + 1 : extent)); /* points from an axis outwards */
+    }
+    const long first = asked[0], second = asked[1], apart = b->apart ? b->apart : 1;
     for (int turn = 0; turn < 2; turn++) {
         for (long k = 0; k < z->circle_count[i]; k++) {
             const Circle *c = b->circle = &z->circles[i][k];

@@ -15,7 +15,7 @@
 #define CLONES
 #endif
 
-enum { NONE = -1, MOST = 3, PATCHES = 3 }; /* components; sizes of patches */
+enum { NONE = -1, MOST = 3, FIELDS = 2 * MOST, PATCHES = 3 }; /* components; even and odd parts; sizes of patches */
 enum { TOO_MANY = 83 };                     /* status of a count of transforms beyond its limit */
 enum { WAVES = 2048 }; /* of a spectrum that blocks are multiplied with at a time */
 enum { INNER = 30 }; /* iterations of a system of patches */
@@ -45,7 +45,9 @@ typedef struct { /* of `count` fields on a circle of shape[0] x shape[1] points 
     long even, count, shape[2], waves; /* waves: numbers of a field's spectrum, complex if not even */
     long single;                       /* whether what it holds are floats, not doubles */
     void *real, *spectrum;             /* the same memory for an even line; in the plane transposed; packed: a block */
-    long odd[MOST][2];                 /* if even: of sines in place of cosines, by field and direction */
+    long odd[FIELDS][2];               /* if even: of sines in place of cosines, by field and direction */
+    long both[2];                      /* directions in which fields are on both sides of the axis, and even and odd
+                                          parts, one after the other, are what is transformed: at most one */
     Line line[2];
     void *forward, *backward;
     long packed;          /* in the plane, rows in pairs: as `packed.c` has it, which alone knows these: */
@@ -57,11 +59,23 @@ typedef struct { /* of `count` fields on a circle of shape[0] x shape[1] points 
     int (*multiply)(const void *response, const void *symbol, int transposed);
 } Transform;
 
+/* numbers of a row of a field in pairs of rows, and of a field */
+static inline long width_of(const Transform *t)
+{
+    return t->shape[1] << t->both[1];
+}
+
+static inline long room_of(const Transform *t)
+{
+    return ((t->shape[0] + t->shape[0] % 2) << t->both[0]) * width_of(t);
+}
+
 typedef struct { /* a circulant operator times fields on boxes of shape[0] x shape[1] nodes */
     Transform *transform;
     long components, boxes, shape[2];
     const void *symbol[MOST][MOST]; /* of the transform's precision; null where a block is zero */
     long is_complex[MOST][MOST];
+    long crosses[MOST][MOST]; /* blocks that make odd parts of even ones, and the other way round */
     void *product;   /* count x WAVES, complex unless even, or a block of columns; null where blocks are
                         multiplied in place */
     long picked;     /* if `on_circle` is not null, some nodes of one box: their number, */
@@ -285,7 +299,7 @@ void packed_blend_row(const Transform *t, long field, long row, const double *in
                       const double *x, double *out, long n);
 void packed_multiply(const Transform *t, const Response *response, const void *symbol, long used,
                      int transposed);
-void folded_multiply(const Transform *t, const Response *response, const void *symbol, long used,
+void folded_multiply(const Transform *t, const Response *response, const void *symbol, const long *used,
                      int transposed);
 void folded_rows(const Transform *t, const Shares *s, long used, int back);
 void folded_columns(const Transform *t, const Shares *s, const Response *response, const void *symbol,

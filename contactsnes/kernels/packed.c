@@ -11,7 +11,7 @@ enum { LINE = 4 }; /* pairs of rows whose numbers of a column are a line of the 
 
 long packed_place(const Transform *t, long row, long column)
 {
-    return (row / 2) * 2 * t->shape[1] + row % 2 + 2 * column;
+    return (row / 2) * 2 * width_of(t) + row % 2 + 2 * column;
 }
 
 #define BODY "pairs.h"

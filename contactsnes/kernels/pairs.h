@@ -3,7 +3,7 @@
 
 static REAL *OF(field_of)(const Transform *t, long field)
 {
-    return (REAL *)t->real + field * (t->shape[0] + t->shape[0] % 2) * t->shape[1];
+    return (REAL *)t->real + field * room_of(t);
 }
 
 /* a row's numbers are every other one from here on */
@@ -15,7 +15,7 @@ static REAL *OF(row_of)(const Transform *t, long field, long row)
 /* zeros beyond a box in the pairs of rows that are transformed */
 static void OF(packed_clear_beyond)(const Transform *t, const long *shape)
 {
-    const long c = t->shape[1];
+    const long c = width_of(t);
     for (long i = 0; i < t->count; i++) {
         for (long j = 0; j < shape[0] && shape[1] < c; j += 2)
             memset(OF(row_of)(t, i, j) + 2 * shape[1], 0, 2 * (c - shape[1]) * sizeof(REAL));

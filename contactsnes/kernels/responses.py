@@ -48,8 +48,10 @@ def response(convolution, count, transform):
     own.transform = ctypes.pointer(transform.structure)
     own.shape[:] = (1,) * (2 - len(window.shape)) + tuple(window.shape)
     product, symbols = None, _symbols(convolution.blocks, transform)
+    crosses = getattr(convolution, "crosses", {})
     for (i, j), symbol in symbols.items():
         own.symbol[i][j], own.is_complex[i][j] = address(symbol), np.iscomplexobj(symbol)
+        own.crosses[i][j] = crosses.get((i, j), False)
     # one real block of one box is multiplied where it stands, and so are blocks on the diagonal of
     # even fields
     if window.even:

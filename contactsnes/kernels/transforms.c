@@ -148,7 +148,8 @@ int filter(Transform *t, const long *shape, const void *symbol)
     }
     if (t->packed) {
         clear_beyond(t, shape);
-        (t->even ? folded_multiply : packed_multiply)(t, 0, symbol, shape[0], 0);
+        if (t->even) folded_multiply(t, 0, symbol, shape, 0);
+        else packed_multiply(t, 0, symbol, shape[0], 0);
         return counted(t) || counted(t) ? TOO_MANY : 0;
     }
     if ((status = there(t, shape))) return status;
@@ -186,7 +187,8 @@ int convolve(const Response *r, int transposed)
     if (t->packed && !r->on_circle) clear_beyond(t, r->shape); /* fields of picked nodes have been cleared */
     if (t->multiply) return t->multiply(r, 0, transposed);
     if (t->packed) {
-        (t->even ? folded_multiply : packed_multiply)(t, r, 0, r->shape[0], transposed);
+        if (t->even) folded_multiply(t, r, 0, r->shape, transposed);
+        else packed_multiply(t, r, 0, r->shape[0], transposed);
         return counted(t) || counted(t) ? TOO_MANY : 0;
     }
     if ((status = there(t, r->shape))) return status;

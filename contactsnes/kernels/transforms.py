@@ -37,7 +37,7 @@ class Compiled(Filtering):
 
     def __init__(self, grid, shape, count):
         self.library, self.shape, self.count = shared(), tuple(shape), count
-        self._grid = grid
+        self._grid, self._sided = grid, {}
         self.structure = structures.Transform()
         self._reference = ctypes.addressof(self.structure)
         self.structure.count = count
@@ -48,8 +48,10 @@ class Compiled(Filtering):
         """Take the cost of a transform in the units that the grid's counter has now."""
         counter = self._grid.counter
         self.structure.counter = address(counter.numbers)
-        self.structure.cost = self.count * transform_cost(math.prod(self.shape), counter.size)
-        for other in map(vars(self).get, ("single", "folded")):
+        parts = self.count * (2 if any(self.structure.both) else 1)
+        self.structure.cost = parts * transform_cost(math.prod(self.shape), counter.size)
+        others = [vars(self).get(name) for name in ("single", "folded")]
+        for other in [*others, *self._sided.values()]:
             if other is not None:
                 other.charge()
 
@@ -241,6 +243,18 @@ class Cosines(Compiled):
         """In the plane `Folded` on the same memory, whose products are faster; else None."""
         return Folded(self) if len(self.shape) == 2 else None
 
+    def sided(self, axis, single):
+        """`Folded` on the same memory, of fields whose even and odd parts these are.
+
+        Parameters
+        ----------
+        axis : direction in which fields are on both sides of the axis
+        single : bool
+        """
+        if (axis, single) not in self._sided:
+            self._sided[axis, single] = Folded(self, single, axis)
+        return self._sided[axis, single]
+
     def wavevectors(self, spacings):
         """Wave numbers, 1/beta, to broadcast over a spectrum, one a direction of the grid."""
         axes = [np.pi / h * (order / (m - 1) if closed else (order + 0.5) / m)
@@ -262,14 +276,20 @@ class Folded(Compiled):
     ----------
     whole : Cosines, on whose memory it works
     single : bool, whether in single precision
+    axis : direction in which fields are on both sides of the axis, and ``whole`` has the even and
+        the odd part of each; None: in none
     """
 
-    def __init__(self, whole, single=False):
-        super().__init__(whole._grid, whole.shape, whole.count)
+    def __init__(self, whole, single=False, axis=None):
+        parts = whole.count
+        super().__init__(whole._grid, whole.shape, parts if axis is None else parts // 2)
         self.gain, own, self._memory = whole.gain, self.structure, whole.room
         rows, columns = self.shape
-        self.block = pyfftw.zeros_aligned((self.count, COLUMNS // 2, in_pairs(self.shape)[0]),
+        self.block = pyfftw.zeros_aligned((parts, COLUMNS // 2, in_pairs(self.shape)[0]),
                                           dtype=np.complex64 if single else complex)
+        if axis is not None:
+            own.both[axis] = 1
+            self.charge()
         own.even, own.single, own.packed = 1, single, 1
         own.real, own.block = address(whole.real), address(self.block)
         own.waves = rows * (columns + columns % 2)
@@ -277,7 +297,7 @@ class Folded(Compiled):
                        for m, closed in zip(self.shape, whole.closed)]
         for place, rows in enumerate(self._lines):
             own.line[place] = rows.structure
-            for field in range(self.count):
+            for field in range(parts):
                 own.odd[field][place] = whole.structure.odd[field][place]
 
     def fitting(self, block):

@@ -205,7 +205,8 @@ class Circle:
     def __init__(self, found, boxes, raw, quick, like=None):
         self.transform, compliance = found
         self.compliance = compliance = np.ascontiguousarray(compliance, dtype=float)
-        self._symbol = np.empty((boxes, compliance.size)) if like is None else like._symbol
+        waves = max(compliance.size, self.transform.structure.waves)
+        self._symbol = np.empty((boxes, waves)) if like is None else like._symbol
         own = self.structure = structures.Circle(no_lag=self._at_no_lag() if boxes > 1 else 0.0)
         own.raw[:], own.apart = raw[:2], raw[2]
         if quick:

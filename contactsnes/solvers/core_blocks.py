@@ -70,8 +70,10 @@ class CoreBlock:
         self.boxes = (len(window.parts), *window.shape)
         extents = self._find(window, core, scale)
         # Few sizes, so that transforms and symbols are made once and found again.
-        circle = tuple(circle_points(_rounded(pad * extent), total, self.apart)
-                       for extent, total in zip(extents, window.limits))
+        both = [window.even and not mirror for mirror in window.mirrors]
+        circle = tuple(circle_points(_rounded(pad * (n // 2 + 1 if sides else n)), total,
+                                     self.apart)
+                       for n, total, sides in zip(extents, window.limits, both))
         self.transform, self.compliance = form.contact.circle(
             component, circle, window.even, len(window.parts),
             window.of(component) if window.even else None, self.apart)

@@ -23,9 +23,11 @@ from contactsnes.grid.cell import Convolution, Grid
 from contactsnes.grid.cosines import Cosines, EvenConvolution
 from contactsnes.grid.even import EvenWindow, centred
 from contactsnes.grid.operator import Operator
-from contactsnes.grid.parity import asymmetry, obstacle, parities, parity
+from contactsnes.grid.parity import asymmetry, obstacle, one_mirror, parities, parity
+from contactsnes.grid.sides import even_convolution
 from contactsnes.grid.transfer import smooth
 from contactsnes.grid.windows import Window
+from contactsnes.kernels.choice import chosen
 from contactsnes.options.fields import InputError
 from contactsnes.solvers.core_zone import CoreOptions
 from contactsnes.solvers.preconditioners import zone
@@ -50,13 +52,16 @@ ODD = {f"{name} {box}": (name, BOXES[box][1])
        for name, boxes in {"slipping": ("box", "strip", "plane"), "coupled line": ("part", "cell"),
                            "coupled": ("box", "strip", "plane")}.items() for box in boxes}
 """Boxes of contacts some of whose components are odd."""
+ONE = {f"across {'yx'[loaded - 1]} {box}": (f"coupled {box}", loaded)
+       for loaded in (1, 2) for box in ("box", "strip", "plane")}
+"""Boxes of contacts that have one mirror, across a load along a component."""
 
 every_box = pytest.mark.parametrize("box", BOXES)
 
 
 def window_of(box):
     """A contact, and a window of it about the apex."""
-    name, shape = (BOXES | ODD)[box]
+    name, shape = (BOXES | ODD)[ONE[box][0] if box in ONE else box]
     contact = CONTACTS[name]
     return contact, Window(contact.grid,
                            [total // 2 - n // 2 for n, total in zip(shape, contact.grid.shape)],
@@ -155,6 +160,22 @@ def test_convolution_of_odd_fields_is_that_of_all_nodes(box, transposed):
                 even.fold(values), np.empty((count, even.size)), transposed)
             np.testing.assert_allclose(even.unfold(found), expected,
                                        atol=1e-12 * np.max(np.abs(expected)))
+
+
+@pytest.mark.parametrize("box", ONE)
+@pytest.mark.parametrize("transposed", [False, True])
+def test_convolution_of_fields_with_one_mirror_is_that_of_all_nodes(box, transposed):
+    contact, window = window_of(box)
+    operator, signs = contact.operator(3), one_mirror(contact, 3, (ONE[box][1],))
+    even, values = EvenWindow(window, signs), fields(window, 3, signs=signs)
+    assert even.mirrors == ((True, False) if "across x" in box else (False, True))
+    assert asymmetry(window, values, signs) == 0.0 and asymmetry(window, values) > 0.1
+    expected = Convolution(window, operator, 3).apply(values, np.empty_like(values), transposed)
+    for make in (chosen(False).even, contact.kernels.even):
+        found = even_convolution(even, operator, 3, make).apply(
+            even.fold(values), np.empty((3, even.size)), transposed)
+        np.testing.assert_allclose(even.unfold(found), expected,
+                                   atol=1e-12 * np.max(np.abs(expected)))
 
 
 def test_parities_are_those_of_body_and_loads():
@@ -258,7 +279,9 @@ def forms(box, controls):
     """The full and the even form of a box under a load, and unknowns of both for the same
     displacements."""
     contact, window = window_of(box)
-    full, even = DisplacementForm(contact, window, controls), EvenForm(contact, window, controls)
+    signs = one_mirror(contact, 3, (ONE[box][1],)) if box in ONE else None
+    full, even = (DisplacementForm(contact, window, controls),
+                  EvenForm(contact, window, controls, signs))
     displacement = 0.3 * fields(window, len(controls), signs=even.parities)
     displacement[0] -= 0.3 * full.initial_gap
     scalars = np.where(bare(even), 0.0, [0.1, 0.2, 0.3][:len(controls)])
@@ -282,6 +305,9 @@ def cases():
         for control in (DISPLACEMENT, FORCE):
             controls = (control,) * CONTACTS[name].scene.components
             yield pytest.param(box, controls, id=f"{box}-{control}")
+    for box in ONE:
+        for control in (DISPLACEMENT, FORCE):
+            yield pytest.param(box, (control,) * 3, id=f"{box}-{control}")
 
 
 @pytest.mark.parametrize("box, controls", list(cases()))
@@ -334,7 +360,9 @@ def test_jacobian_is_the_derivative(box, controls):
     assert vector @ transposed == pytest.approx(other @ product, rel=1e-9)
 
 
-MANY = {"coupled plane": (False, FORCE), "slipping strip": (True, DISPLACEMENT),
+MANY = {"across y plane": (False, FORCE), "across x strip": (True, FORCE),
+        "across y strip": (False, DISPLACEMENT), "across x plane": (False, DISPLACEMENT),
+        "coupled plane": (False, FORCE), "slipping strip": (True, DISPLACEMENT),
         "coupled strip": (False, DISPLACEMENT)}
 """Boxes of many unknowns, with whether it is along an arc and the control of their components here:
 lesser boxes have both. The rest is a study."""
@@ -345,7 +373,7 @@ lesser boxes have both. The rest is a study."""
                  if case.values[0] in {"slipping plane", *MANY}
                  and MANY.get(case.values[0]) != (arc, case.values[1][0]) else ())
     for case in cases() for arc in (False, True)
-    if not (arc and case.values[0] in ("slipping plane", "coupled plane"))])
+    if not (arc and case.values[0].split()[-1] == "plane" and " " in case.values[0])])
 def test_preconditioner_is_near_the_full_one(box, controls, arc):
     """A linear map that makes the Jacobian about as good as the full form's does."""
     full, even, unknown, half = forms(box, controls)
@@ -464,10 +492,12 @@ def test_folds_and_jumps_stay():
     same_points(replace(LINE, height=250.0), slid, initial_step=2.0, largest_step=4.0)
 
 
-@pytest.mark.parametrize("more, even", [({}, 2), (COUPLED, 1)])
+@pytest.mark.parametrize("more, mirrors", [({}, {0: 2, 1: 2, 2: 2, 3: 0}),
+                                           (COUPLED, {0: 2, 1: 2, 2: 1, 3: 0})])
 @pytest.mark.parametrize("stepping", ["natural", "arclength"])
-def test_legs_are_even_before_others_are_not(more, even, stepping):
-    """Without coupling until there are loads along both directions, else until there is one."""
+def test_legs_are_even_before_others_are_not(more, mirrors, stepping):
+    """Without coupling in both directions until there are loads along both, else until there is
+    one, which leaves the mirror across it."""
     scene = replace(SPHERE, points=32, normal_maugis=1.0, **more)
     load = Load(start="normal_displacement=1", path="normal_displacement=1.5; "
                 "tangential_displacement_x=0.5; tangential_displacement_y=0.3")
@@ -475,29 +505,34 @@ def test_legs_are_even_before_others_are_not(more, even, stepping):
     for form in (ALL, Form()):
         branch, kinds = Branch(scene, load, Steps(type=stepping), form), []
         for point in branch:
-            kinds.append((point.leg, type(branch.corrector.form)))
+            even = isinstance(branch.corrector.form, EvenForm)
+            kinds.append((point.leg, sum(branch.corrector.form.half.window.mirrors)
+                          if even else 0))
         if form == Form():
-            assert ({kind for leg, kind in kinds if leg <= even} == {EvenForm}
-                    and {kind for leg, kind in kinds if leg > even} == {DisplacementForm})
+            assert set(kinds) == set(mirrors.items())
             np.testing.assert_allclose(point.forces, force, rtol=1e-6)
         force = point.forces
 
 
 @pytest.mark.parametrize("along", "xy")
-def test_a_sheared_sphere_is_a_quarter_of_the_work(along):
-    """Its slip along the load is even, that across it odd, in both directions."""
-    scene = replace(SPHERE, tangential_maugis=1.5, residual_friction=0.5)
+@pytest.mark.parametrize("more, mirrors, share", [({}, 2, 0.4), (COUPLED, 1, 0.75)])
+def test_a_sheared_sphere_is_a_part_of_the_work(along, more, mirrors, share):
+    """Its slip along the load is even, that across it odd, in both directions; of a body that
+    couples slip and gap about the load alone."""
+    scene = replace(SPHERE, tangential_maugis=1.5, residual_friction=0.5, **more)
     load = Load(start="normal_displacement=1", path=f"tangential_displacement_{along}=80; "
                                                     "normal_displacement=0.5")
     (_, all_points, all_costs), (branch, points, costs) = (
-        followed(scene, load, form, predictor="secant") for form in (ALL, HALF))
+        followed(scene, load, form, predictor="secant")
+        for form in (ALL, HALF if mirrors == 2 else Form()))
     assert isinstance(branch.corrector.form, EvenForm) and len(points) == len(all_points)
+    assert sum(branch.corrector.form.half.window.mirrors) == mirrors
     for point, other in zip(points, all_points):
         np.testing.assert_allclose(point.forces, other.forces, atol=1e-6)
         np.testing.assert_allclose(states_onto(point, other), other.state.displacement, atol=3e-6)
         assert point.residual_norm < 1.001e-8
     assert np.abs(points[-1].state.displacement[2 if along == "x" else 1]).max() > 0.01
-    assert costs[2] < 0.4 * all_costs[2]
+    assert costs[2] < share * all_costs[2]
 
 
 def states_onto(point, other):

@@ -16,6 +16,7 @@ from contactsnes.grid.boxes import Spots
 from contactsnes.grid.cell import Grid
 from contactsnes.grid.counter import Counter
 from contactsnes.grid.even import EvenWindow
+from contactsnes.grid.parity import one_mirror
 from contactsnes.grid.windows import Window
 from contactsnes.kernels import library
 from contactsnes.kernels.choice import chosen
@@ -33,11 +34,15 @@ LINE = {"points": 256, "period": 20.0, "normal_maugis": 2.0, "tangential_maugis"
 PLANE = {**LINE, "points": (64, 48), "period": (12.0, 9.0), "dimension": 2, "geometry": "sphere"}
 SCENES = {"line": LINE, "odd": {**LINE, "points": 254}, "coupled": {**LINE, "poisson": 0.3},
           "plane": PLANE, "uneven": {**PLANE, "points": (62, 46)},
-          "coupled plane": {**PLANE, "poisson": 0.2}}
+          "coupled plane": {**PLANE, "poisson": 0.2},
+          "coupled uneven": {**PLANE, "points": (62, 46), "poisson": 0.2}}
 EVEN = [(name, count, part, "even") for name, count in (("line", 1), ("line", 2), ("odd", 2),
                                                         ("plane", 1), ("uneven", 1), ("plane", 3),
                                                         ("coupled", 2), ("coupled plane", 3))
         for part in ("open", "closed", "strip")]
+SIDES = [(name, 3, part, f"mirror across {along}")
+         for name in ("coupled plane", "coupled uneven") for along in "xy"
+         for part in ("open", "closed", "strip")]
 HALF = [("line", 2, "open", "half"), ("line", 1, "closed", "half")]
 PLAIN = [(name, count, part, "plain") for name, count in (("line", 1), ("coupled", 2),
                                                           ("coupled plane", 3))
@@ -47,7 +52,7 @@ SPOTS = [(name, count, "spots", "plain") for name, count in (("coupled", 1), ("c
 NODES = [(name, count, part, "plain") for name, count in (("plane", 1), ("coupled plane", 3))
          for part in ("nodes of a box", "nodes of the cell")]
 CASES = [(*case, control)
-         for case, control in itertools.product(EVEN + HALF + PLAIN + SPOTS + NODES,
+         for case, control in itertools.product(EVEN + SIDES + HALF + PLAIN + SPOTS + NODES,
                                                 ("displacement", "force"))]
 
 
@@ -75,6 +80,9 @@ def form_of(compiled, name, count, part, kind, control):
     window, controls = window_of(contact.grid, part), (control,) * count
     if kind == "half":
         form = HalfForm(contact, EvenWindow(window), controls)
+    elif kind.startswith("mirror"):
+        loaded = ("across y", "across x").index(kind[7:]) + 1
+        form = EvenForm(contact, window, controls, one_mirror(contact, count, (loaded,)))
     else:
         form = (EvenForm if kind == "even" else DisplacementForm)(contact, window, controls)
     form.set_load([1.5, 0.3, -0.2][:count])
@@ -172,7 +180,9 @@ def test_products_in_single_precision(name, count, part, kind, control, compiled
     for name, product in products.items():
         np.testing.assert_array_equal(again[name], exact[name])
         error = np.abs(product(vector, new(), single=True) - exact[name]).max()
-        assert 1e-10 < error / np.abs(exact[name]).max() < SINGLE[control], name
+        # (of one mirror the preconditioner may hold a mean that is nearly free)
+        assert 1e-10 < error / np.abs(exact[name]).max() < SINGLE[control] * (
+            50 if kind.startswith("mirror") and name == "preconditioner" else 1), name
     assert form.grid.transforms == before[0]
     assert form.grid.transforms_single - before[1] == pytest.approx(spent, rel=1e-12)
     # the memory is that of double precision, which is asked again
