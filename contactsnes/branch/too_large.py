@@ -59,8 +59,9 @@ def _mirrored_part(cell, load, form):
     images."""
     loaded = loaded_legs(cell, load)[-1] if load.path else ()
     claimed = (form.symmetry != "off" and set(shapes.of(cell).even) == set(range(cell.dimension))
-               and len(loaded) < 2 and not (loaded and cell.coupled))
-    return 0.5 ** cell.dimension if claimed else 1.0
+               and len(loaded) < 2)
+    # slip that moves the gap leaves the mirror across the load
+    return 0.5 ** (cell.dimension - bool(loaded and cell.coupled)) if claimed else 1.0
 
 
 def _too_many(scene, cell, needed, room, unknowns, share):

@@ -11,7 +11,8 @@ from ..branch.grid_choice import again, reason
 from ..branch.memory import memory_of_solve
 from ..contact import states
 from ..contact.scattered import on_nodes
-from ..contact.symmetry import obstacles
+from ..contact.symmetry import method_obstacle, obstacles
+from ..grid.parity import one_mirror
 from ..interface import bodies, shapes
 from ..options.database import database
 from ..options.fields import as_text
@@ -90,13 +91,15 @@ def _mirror_images(settings, branch, sheared):
         return "no symmetry is used: -contact_symmetry is off"
     why = _asymmetries(settings, branch, sheared)
     reason = next(filter(None, why), None)
+    across = ("the mirror across the load leaves half of the plane to be solved, since "
+              if _one_mirror(settings, branch, why) else "")
     if all(why):
-        return f"no symmetry is used: {reason}"
+        return across + reason if across else f"no symmetry is used: {reason}"
     part = "half the line" if settings.scene.dimension == 1 else "a quarter of the plane"
     if reason:
         return (f"mirror images before leg {why.index(reason)}, so that {part} "
                 "is solved: the contact is even there; from then "
-                f"on {reason}")
+                f"on {across}{reason}")
     return f"mirror images, so that {part} is solved: scene and load path are even about the apex"
 
 
@@ -106,6 +109,14 @@ def _asymmetries(settings, branch, sheared):
         return ["it is not wanted"] * len(sheared)
     return obstacles(branch.contact, sheared, scenes.loaded_legs(settings.scene, settings.load),
                      settings.form, branch.method)
+
+
+def _one_mirror(settings, branch, why):
+    """Whether the first leg that is not even, of reasons or None of each, has one mirror of two."""
+    legs = scenes.loaded_legs(settings.scene, settings.load)
+    loaded = next((along for along, reason in zip(legs, why) if reason), None)
+    return (loaded is not None and method_obstacle(settings.form, branch.method) is None
+            and one_mirror(branch.contact, settings.scene.components, loaded) is not None)
 
 
 def _by(shape):

@@ -186,8 +186,10 @@ def weighted(arrays, weights):
 
 
 def spread(nodes, displacement, means):
-    """The state with displacements at the nodes of a window, each once; at all nodes of one that has
-    a mirror in one direction only, as what is made of states knows quarters alone.
+    """The state with displacements at the nodes of a window, each once.
+
+    One that has a mirror in one direction only is known at all nodes: what is made of states asks
+    for quarters of the plane or for all of it.
 
     Parameters
     ----------

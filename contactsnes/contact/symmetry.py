@@ -124,7 +124,7 @@ class Symmetry:
     def mirrored(self, state):
         """A state predicted from even ones, or None, made even: places of the cell's first node
         have no mirror image."""
-        if state is None or not self.holds(state.components) or self._is_known(state):
+        if state is None or self.parities(state.components) is None or self._is_known(state):
             return state
         window = centred(state.window)
         half = self._folded(window, state.components)

@@ -172,17 +172,6 @@ class Overdamped:
         """What a vector consists of in its order, each of which may go on in other processes."""
         return [*vector[:self.form.count].reshape(self.form.shape), vector[self.form.count:]]
 
-    def mirror(self, vector, symmetry):
-        """The mirror image of a vector about the apex, on a centred window, for (direction, sign of
-        each component)."""
-        (axis, signs) = symmetry
-        form = self.form
-        image = vector.copy()
-        image[:form.count] = mirrored(form.window, vector[:form.count].reshape(form.shape), axis,
-                                      signs).reshape(-1)
-        image[form.count:] *= np.array(signs)[self.means]
-        return image
-
 
 def mirrored(window, field, axis, signs):
     """Mirror image about the apex of a field (components, nodes) on a centred window, its

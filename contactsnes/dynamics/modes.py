@@ -48,7 +48,7 @@ APART = 7919
 """Places by which the noise of a run is moved from that of the one before."""
 
 
-def leading_modes(operator, axes=(), start=(), accurate=ACCURATE, number=0, neutral=NEUTRAL):
+def leading_modes(operator, start=(), accurate=ACCURATE, number=0, neutral=NEUTRAL):
     """Unstable modes (real part negative) and the first stable ones of J with preconditioner P:
     `Modes` of each symmetry.
 
@@ -64,7 +64,6 @@ def leading_modes(operator, axes=(), start=(), accurate=ACCURATE, number=0, neut
     ----------
     operator : with ``size``, ``apply`` (J), ``precondition`` (P^-1) and what `projection.Space`
         asks for; entries of vectors have a meaning where ``occupied``, ``uniform`` are of the whole
-    axes : symmetries, second arguments of ``mirror``, under which J does not change
     start : list of vectors to begin with, each a sum of modes of a point nearby that differ in
         symmetry
     accurate : residual of the leading mode; None where signs alone are asked for
@@ -78,7 +77,7 @@ def leading_modes(operator, axes=(), start=(), accurate=ACCURATE, number=0, neut
     alone = getattr(operator, "shared", None) is None
     if alone and operator.size <= DENSE:
         return [_all_modes(operator, number)]
-    space = Space(operator, axes, number)
+    space = Space(operator, number)
     found = _searched(space, start, accurate, number, neutral)
     if found is not None:
         return found

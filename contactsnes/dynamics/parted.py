@@ -1,5 +1,5 @@
 """Overdamped motion linearised at a state that mirrors leave as it is: J on fields that are even
-and on fields that are odd, each at the nodes of half a line or a quarter of a plane."""
+and on fields that are odd, each at the nodes of half a line, a quarter of a plane or half of it."""
 
 from itertools import product
 
@@ -20,18 +20,22 @@ class Parted:
     Parameters
     ----------
     contact, window, controls : as of `linearised.Overdamped`, the window centred
-    axes : for each direction (direction, sign of each component) of a mirror image that leaves the
-        state as it is
+    axes : (direction, sign of each component) of the mirror images that leave the state as it is,
+        at least one
     options : CoreOptions of the preconditioner
     """
 
     def __init__(self, contact, window, controls, axes, options=CoreOptions()):
         self._axes = axes
-        signs = np.array([signs for _, signs in axes], dtype=int).T
-        self.window, self.components = window, len(controls)
-        self._each = [Overdamped(contact, window, controls, options,
-                                 tuple(map(tuple, (signs * turned).tolist())))
-                      for turned in product((1, -1), repeat=len(axes))]
+        parities = np.zeros((len(controls), len(window.shape)), dtype=int)
+        directions = [axis for axis, _ in axes]
+        parities[:, directions] = np.array([signs for _, signs in axes]).T
+        self.window, self.components, self._each = window, len(controls), []
+        for turned in product((1, -1), repeat=len(axes)):
+            factor = np.zeros(len(window.shape), dtype=int)
+            factor[directions] = turned
+            self._each.append(Overdamped(contact, window, controls, options,
+                                         tuple(map(tuple, (parities * factor).tolist()))))
         self.lengths = [one.size for one in self._each]
         ends = np.cumsum([0, *self.lengths]).tolist()
         self._places, self.size = [slice(*ends) for ends in zip(ends, ends[1:])], ends[-1]

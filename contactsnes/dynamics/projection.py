@@ -8,7 +8,7 @@ import numpy as np
 from ..continuation.bifurcations import NEUTRAL
 from ..kernels.modes import ritz
 from .holding import holding, in_step, lengths, multiplying, together
-from .sectors import Sectors, Together
+from .undivided import Undivided
 
 NEW = 1e-6
 """Length of what is left of a vector of length 1 that is new."""
@@ -69,21 +69,18 @@ class Space:
 
     Parameters
     ----------
-    operator : with ``size``, ``apply`` and, where it is for vectors that are split, ``lengths``,
-        ``parts`` and ``whole`` (as `sectors.Sectors`) or ``mirror``; where vectors are shared out
+    operator : with ``size``, ``apply`` and, where its vectors consist of parts that differ in
+        symmetry, ``lengths``, ``parts`` and ``whole`` (as `undivided.Undivided`); where vectors are shared out
         among processes, the grid that sums over them, ``shared``
-    axes : symmetries, second arguments of ``mirror``, under which J does not change
     number : of the last mode that is asked for, 0 for the leading one
     """
 
-    def __init__(self, operator, axes=(), number=0):
+    def __init__(self, operator, number=0):
         self.operator, self.grid = operator, getattr(operator, "shared", None)
-        self.by = (Sectors(operator, axes) if axes else operator if hasattr(operator, "parts")
-                   else Together(operator.size))
+        self.by = operator if hasattr(operator, "parts") else Undivided(operator.size)
         # the edges of contact have one each where no symmetry tells them apart
         self._certain, self._number = 2 if len(self.by.lengths) == 1 else 1, number
-        self._kernels = (None if isinstance(self.by, Sectors)
-                         else getattr(operator, "kernels", None))
+        self._kernels = getattr(operator, "kernels", None)
         self._sectors = [_Sector(length, self.grid, bool(self._kernels))
                          for length in self.by.lengths]
 

@@ -146,9 +146,8 @@ class Stability:
         products = operator.products
         fold = point.event == "fold"
         start = self._start(state, point.controls) + self._tangents(point, state.window)
-        found = leading_modes(operator, () if isinstance(operator, Parted) else axes, start,
-                              accurate and max(accurate, FLAT) if fold else accurate, number,
-                              FLAT if fold else NEUTRAL)
+        found = leading_modes(operator, start, accurate and max(accurate, FLAT) if fold
+                              else accurate, number, FLAT if fold else NEUTRAL)
         self.system.totals["jacobian_products"] += operator.products - products
         self._last = (point.controls, state,
                       [operator.state(vector) for vector in summed(soft(found))])
@@ -180,13 +179,11 @@ class Stability:
         return (evened(even, axes), axes) if axes else (state, axes)
 
     def _linearised(self, state, controls, axes):
-        """J at a state whose symmetries are ``axes``, at fields of each symmetry apart where these
-        are all that a window can have."""
-        apart = len(axes) == len(state.window.shape)
-        key = state.window, tuple(controls), tuple(axes) if apart else None
+        """J at a state whose symmetries are ``axes``, at fields of each symmetry apart."""
+        key = state.window, tuple(controls), tuple(axes)
         if self._key != key:
             made = (self.contact, state.window, controls)
-            self._operator = (Parted(*made, axes, self.options) if apart
+            self._operator = (Parted(*made, axes, self.options) if axes
                               else Overdamped(*made, self.options))
             self._key = key
         self._operator.linearise(state)

@@ -26,7 +26,7 @@ class Window:
     even = False  # whether a node stands for its mirror images, too
     picked = False  # whether nodes are some of those of a circle, by their numbers there
     of_nodes = None  # class of windows of some of its nodes, where it has one of its own
-    mirrors = (False, False)  # whether a direction has a mirror, about which a node stands for others
+    mirrors = (False, False)  # whether a direction has a mirror, and nodes are from there on
 
     def __init__(self, grid, start, shape):
         self.grid = grid

@@ -70,9 +70,9 @@ class Transform(ctypes.Structure):
     _fields_ = [("even", c_long), ("count", c_long), ("shape", c_long * 2), ("waves", c_long),
                 ("single", c_long), ("real", c_void_p), ("spectrum", c_void_p),
                 ("odd", c_long * 2 * (2 * MOST)), ("both", c_long * 2), ("line", Line * 2),
-                ("forward", c_void_p), ("backward", c_void_p), ("packed", c_long), ("columns", c_void_p),
-                ("columns_back", c_void_p), ("block", c_void_p), ("cost", c_double),
-                ("counter", c_void_p), ("multiply", Multiply)]
+                ("forward", c_void_p), ("backward", c_void_p), ("packed", c_long),
+                ("columns", c_void_p), ("columns_back", c_void_p), ("block", c_void_p),
+                ("cost", c_double), ("counter", c_void_p), ("multiply", Multiply)]
 
 
 class Response(ctypes.Structure):
@@ -81,7 +81,8 @@ class Response(ctypes.Structure):
     _fields_ = [("transform", POINTER(Transform)), ("components", c_long), ("boxes", c_long),
                 ("shape", c_long * 2), ("symbol", c_void_p * MOST * MOST),
                 ("is_complex", c_long * MOST * MOST), ("crosses", c_long * MOST * MOST),
-                ("product", c_void_p), ("picked", c_long), ("on_circle", c_void_p), ("in_box", c_void_p)]
+                ("product", c_void_p), ("picked", c_long), ("on_circle", c_void_p),
+                ("in_box", c_void_p)]
 
 
 class Shares(ctypes.Structure):

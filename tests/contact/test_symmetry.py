@@ -757,6 +757,10 @@ def test_info_says_what_is_skipped(tmp_path):
     said = call("info", *plane, "-load_path", f"{sheared}; tangential_force_y=1",
                 folder=tmp_path).stdout
     assert "mirror images before leg 3, so that a quarter of the plane is solved" in said
+    said = call("info", *plane, "-scene_poisson", "0.3", "-load_path", sheared,
+                folder=tmp_path).stdout
+    assert ("before leg 2, so that a quarter of the plane is solved" in said and "from then on the "
+            "mirror across the load leaves half of the plane to be solved, since the body" in said)
     said = call("info", *INFO, "-snes_type", "qn", folder=tmp_path).stdout
     assert "no symmetry is used: the method (-snes_type qn)" in said
     said = call("info", *INFO, "-contact_form", "force", folder=tmp_path).stdout

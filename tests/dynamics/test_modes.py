@@ -7,7 +7,6 @@ import pytest
 from contactsnes.continuation.points import NotConverged
 from contactsnes.dynamics.modes import NEUTRAL, _loose, leading_modes, oriented
 from contactsnes.dynamics.projection import Modes, Space, joined, projected
-from contactsnes.dynamics.sectors import Sectors
 from contactsnes.grid.contours import first_largest
 from contactsnes.kernels import library
 
@@ -155,32 +154,6 @@ def test_sign_and_phase_of_a_mode_do_not_hang_on_what_finds_it(turn):
         assert reference[first_largest(reference)] > 0.0
         if not np.iscomplexobj(mode):
             np.testing.assert_allclose(np.abs(reference), np.abs(mode), atol=1e-14)
-
-
-class Mirrored:
-    """Vectors on a box of nodes with a mean behind them, which mirrors reverse by axis and sign."""
-
-    def __init__(self, shape):
-        self.shape, self.size = shape, int(np.prod(shape)) + 1
-
-    def mirror(self, vector, axis):
-        field = np.flip(vector[:-1].reshape(self.shape), axis)
-        return np.append((-1.0) ** axis * field, vector[-1])
-
-
-@pytest.mark.parametrize("shape, axes", [((8,), [0]), ((9,), [0]), ((5, 6), [0, 1]), ((4, 7), [1])])
-def test_parts_by_symmetry_have_the_lengths_and_products_of_whole_vectors(shape, axes):
-    operator, random = Mirrored(shape), np.random.default_rng(2)
-    by, vectors = Sectors(operator, axes), random.standard_normal((2, operator.size))
-    parts = [by.parts(vector) for vector in vectors]
-    assert max(by.lengths) < 0.7 * operator.size
-    assert np.sum(parts[0] * parts[1]) == pytest.approx(vectors[0] @ vectors[1])
-    whole = [by.whole(number, part) for number, part in enumerate(parts[0])]
-    np.testing.assert_allclose(sum(whole), vectors[0], atol=1e-14)
-    for number, part in enumerate(whole):
-        for place, axis in enumerate(axes):
-            sign = -1.0 if number >> (len(axes) - 1 - place) & 1 else 1.0
-            np.testing.assert_allclose(operator.mirror(part, axis), sign * part, atol=1e-14)
 
 
 class Clustered:

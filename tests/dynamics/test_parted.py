@@ -36,7 +36,11 @@ SCENES = {
     "window": ({**SHEARED, "points": 512, "period": 80.0}, "normal_displacement=0.5"),
     "isolated": ({"normal_maugis": 3.0, "period": np.inf, "spacing": 0.06, "height": np.inf},
                  "normal_force=0.3"),
-    "sphere": (SPHERE, "normal_displacement=1, tangential_displacement_x=0.3")}
+    "sphere": (SPHERE, "normal_displacement=1, tangential_displacement_x=0.3"),
+    "coupled along x": ({**SPHERE, "poisson": 0.3},
+                        "normal_displacement=1, tangential_displacement_x=0.3"),
+    "coupled along y": ({**SPHERE, "poisson": 0.3, "points": (16, 18), "period": (8.0, 9.0)},
+                        "normal_displacement=1, tangential_displacement_y=0.3")}
 
 
 def branch(scene, path, at=0.2):
@@ -50,7 +54,7 @@ def both(contact, point, controls):
     window = centred(point.state.window)
     state = State(window, states.onto(point.state, window), point.state.means)
     axes = symmetries(contact, state)
-    assert len(axes) == len(window.shape)
+    assert len(axes) == (1 if len(window.shape) > 1 and contact.couples() else len(window.shape))
     made = Overdamped(contact, window, controls), Parted(contact, window, controls, axes)
     for operator in made:
         operator.linearise(state)

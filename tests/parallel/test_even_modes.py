@@ -49,7 +49,7 @@ def made(contact, start, extents, controls):
     assert np.allclose(back.displacement, mode, rtol=0.0, atol=1e-12)
     found = [operator.state(image) for image in (operator.apply(vector),
                                                  operator.precondition(vector))]
-    modes = joined(leading_modes(operator, (), (), 1e-6))
+    modes = joined(leading_modes(operator, (), 1e-6))
     leading = oriented(modes.vectors[0], operator)
     states = [(state.displacement, state.means)
               for state in (back, *found, operator.state(leading))]
