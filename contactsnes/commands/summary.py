@@ -11,8 +11,7 @@ from ..branch.grid_choice import again, reason
 from ..branch.memory import memory_of_solve
 from ..contact import states
 from ..contact.scattered import on_nodes
-from ..contact.symmetry import method_obstacle, obstacles
-from ..grid.parity import one_mirror
+from ..contact.symmetry import has_one_mirror, obstacles
 from ..interface import bodies, shapes
 from ..options.database import database
 from ..options.fields import as_text
@@ -115,8 +114,8 @@ def _one_mirror(settings, branch, why):
     """Whether the first leg that is not even, of reasons or None of each, has one mirror of two."""
     legs = scenes.loaded_legs(settings.scene, settings.load)
     loaded = next((along for along, reason in zip(legs, why) if reason), None)
-    return (loaded is not None and method_obstacle(settings.form, branch.method) is None
-            and one_mirror(branch.contact, settings.scene.components, loaded) is not None)
+    return loaded is not None and has_one_mirror(branch.contact, loaded, settings.form,
+                                                 branch.method)
 
 
 def _by(shape):

@@ -4,7 +4,8 @@ the method allows it, until a state is not."""
 from functools import cache, partial
 
 from ..grid.clusters import cost
-from ..grid.even import centred, halved, lone, unlike
+from ..grid.even import halved
+from ..grid.mirrors import centred, lone, unlike
 from ..grid.parity import asymmetry, obstacle, one_mirror
 from ..grid.parity import parities as parities_of
 from ..options.fields import InputError
@@ -200,3 +201,15 @@ def obstacles(contact, sheared, loaded, settings, method):
     why = method_obstacle(settings, method)
     return [why or obstacle(contact, contact.scene.components if tangential else 1, along)
             for tangential, along in zip(sheared, loaded)]
+
+
+def has_one_mirror(contact, loaded, settings, method):
+    """Whether sheared states are taken for even or odd in one direction of two.
+
+    Parameters
+    ----------
+    contact, settings, method : as of `refuse`
+    loaded : the tangential components that have been loaded
+    """
+    return (method_obstacle(settings, method) is None
+            and one_mirror(contact, contact.scene.components, loaded) is not None)

@@ -70,8 +70,8 @@ class Space:
     Parameters
     ----------
     operator : with ``size``, ``apply`` and, where its vectors consist of parts that differ in
-        symmetry, ``lengths``, ``parts`` and ``whole`` (as `undivided.Undivided`); where vectors are shared out
-        among processes, the grid that sums over them, ``shared``
+        symmetry, ``lengths``, ``parts`` and ``whole`` (as `undivided.Undivided`); where vectors are
+        shared out among processes, the grid that sums over them, ``shared``
     number : of the last mode that is asked for, 0 for the leading one
     """
 

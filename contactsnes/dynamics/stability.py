@@ -11,7 +11,7 @@ from ..contact.states import State
 from ..contact.symmetry import EVEN
 from ..continuation.bifurcations import NEUTRAL
 from ..continuation.points import NotConverged
-from ..grid.even import centred
+from ..grid.mirrors import centred
 from ..grid.parity import asymmetry
 from ..options.database import read
 from ..options.fields import InputError

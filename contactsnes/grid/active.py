@@ -31,7 +31,7 @@ class Nodes:
     start, shape, closed, limits : those of the box
     """
 
-    even, is_whole, picked = False, False, True
+    even, is_whole, picked, mirrors = False, False, True, Window.mirrors
 
     def __init__(self, hull, places):
         self.grid, self.hull, self.parts = hull.grid, hull, (hull,)

@@ -4,8 +4,8 @@ they are on both sides of the axis, and their even and odd parts are transformed
 import numpy as np
 
 from .cosines import EvenConvolution, closes
-from .even import without_mirror
 from .filtering import Filtering
+from .mirrors import without_mirror
 from .parity import parity
 
 

@@ -4,7 +4,8 @@ are."""
 
 import numpy as np
 
-from .even import EvenWindow, line_weights, negate, unlike
+from .even import EvenWindow, line_weights, negate
+from .mirrors import unlike
 from .rows import Rows
 from .slab import Slab
 from .slab_transform import share, shares

@@ -13,7 +13,7 @@ from ..grid.alternation import alternation
 from ..grid.contours import crossings
 from ..grid.cosines import Cosines
 from ..grid.counter import Counter
-from ..grid.even import without_mirror
+from ..grid.mirrors import without_mirror
 from ..grid.sides import Sides, parts_of
 from ..grid.splines import sources, spline
 from ..grid.transfer import blurred
@@ -122,14 +122,14 @@ class Compiled:
     compiled, reason, missed = True, None, False
 
     def __init__(self, cache, agreed):
-        from . import fftw, points, sides, slab_even, slab_real, slabs, splines, transforms
+        from . import cosines, fftw, points, sides, slab_even, slab_real, slabs, splines, transforms
 
         self._cache, self._agreed, self.law_reason, self._plain = cache, agreed, None, None
         self.spline, self.sources, self.blurred = splines.spline, splines.sources, slabs.blurred
         self.crossings, self.alternation = points.crossings, points.alternation
         fftw.remember(cache)
-        self._kinds, self._slab = (transforms.Real, transforms.Cosines), slab_real.SlabReal
-        self._slab_even, self._sides = slab_even.SlabEvenReal, sides.Sides
+        self._kinds, self._slab = (transforms.Real, cosines.Cosines), slab_real.SlabReal
+        self._slab_even, self._sides = slab_even.SlabEvenReal, sides.CompiledSides
         self._kept = lru_cache(maxsize=24)(self._make)
         self._held = WeakValueDictionary()
 

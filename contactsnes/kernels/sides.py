@@ -3,13 +3,13 @@
 from ..grid import sides
 
 
-class Sides(sides.Sides):
+class CompiledSides(sides.Sides):
     """As `grid.sides.Sides`; the library's products (folded.c) take fields as they are.
 
     Parameters
     ----------
     grid, shape, count, parities : as of `grid.sides.Sides`
-    parts : `transforms.Cosines`, whose memory it is
+    parts : `cosines.Cosines`, whose memory it is
     """
 
     def __init__(self, grid, shape, count, parities, parts):
@@ -18,7 +18,7 @@ class Sides(sides.Sides):
 
     @property
     def folded(self):
-        """`transforms.Folded` of the fields."""
+        """`cosines.Folded` of the fields."""
         return self.parts.sided(self.axis, single=False)
 
     @property

@@ -13,16 +13,16 @@ from ..grid.fftw import pyfftw
 from ..grid.slab_cosines import SlabCosines
 from ..grid.slab_transform import Exchange, share
 from . import structures
+from .cosines import Folded
 from .library import shared
 from .lines import COLUMNS, Line, order_of, paired_line
 from .slabs import OfLibrary
 from .structures import address
-from .transforms import Folded
 
 
 class SlabEvenReal(SlabCosines):
     """`grid.slab_cosines.SlabCosines` made from real transforms by the library, whose products are
-    those of ``folded``. Waves are transposed, in the order of `transforms.Cosines`.
+    those of ``folded``. Waves are transposed, in the order of `cosines.Cosines`.
 
     Parameters
     ----------

@@ -18,7 +18,8 @@ from contactsnes.contact.states import State
 from contactsnes.contact.symmetry import Symmetry
 from contactsnes.grid.boxes import Spots, convolution
 from contactsnes.grid.cosines import EvenConvolution
-from contactsnes.grid.even import EvenWindow, lone
+from contactsnes.grid.even import EvenWindow
+from contactsnes.grid.mirrors import lone
 from contactsnes.grid.parity import UNEVEN, parities
 from contactsnes.grid.windows import Window
 from contactsnes.options.fields import InputError

@@ -21,7 +21,8 @@ from contactsnes.contact.symmetry import EVEN
 from contactsnes.dynamics import jumps
 from contactsnes.grid.cell import Convolution, Grid
 from contactsnes.grid.cosines import Cosines, EvenConvolution
-from contactsnes.grid.even import EvenWindow, centred
+from contactsnes.grid.even import EvenWindow
+from contactsnes.grid.mirrors import centred
 from contactsnes.grid.operator import Operator
 from contactsnes.grid.parity import asymmetry, obstacle, one_mirror, parities, parity
 from contactsnes.grid.sides import even_convolution

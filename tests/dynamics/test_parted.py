@@ -21,7 +21,7 @@ from contactsnes.dynamics.linearised import Overdamped, symmetries  # noqa: E402
 from contactsnes.dynamics.parted import Parted  # noqa: E402
 from contactsnes.dynamics.projection import Space  # noqa: E402
 from contactsnes.dynamics.stability import Stability  # noqa: E402
-from contactsnes.grid.even import centred  # noqa: E402
+from contactsnes.grid.mirrors import centred  # noqa: E402
 from contactsnes.kernels import library  # noqa: E402
 from contactsnes.kernels import modes as compiled  # noqa: E402
 from contactsnes.scene.load import Load  # noqa: E402

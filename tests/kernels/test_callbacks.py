@@ -13,7 +13,7 @@ from contactsnes.branch.branch import Branch  # noqa: E402
 from contactsnes.contact.even_form import EvenForm  # noqa: E402
 from contactsnes.contact.forms import DisplacementForm  # noqa: E402
 from contactsnes.contact.problem import Contact  # noqa: E402
-from contactsnes.grid.even import centred  # noqa: E402
+from contactsnes.grid.mirrors import centred  # noqa: E402
 from contactsnes.grid.windows import Window  # noqa: E402
 from contactsnes.kernels import library  # noqa: E402
 from contactsnes.kernels.choice import chosen  # noqa: E402

@@ -15,7 +15,8 @@ from contactsnes.grid import contours
 from contactsnes.grid.alternation import REACH, across_rows, alternation
 from contactsnes.grid.cell import Grid
 from contactsnes.grid.cosines import Cosines, EvenConvolution
-from contactsnes.grid.even import centred, halved, lone
+from contactsnes.grid.even import halved
+from contactsnes.grid.mirrors import centred, lone
 from contactsnes.grid.nearest import nearest
 from contactsnes.grid.numbers import numbers_of, restored
 from contactsnes.grid.outlines import outline
