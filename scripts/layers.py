@@ -42,7 +42,7 @@ LAYERS = {
                    "kernels.transforms:Compiled.forward", "kernels.transforms:Compiled.backward"),
     "plans of transforms": ("grid.cell:Transform.__init__", "grid.cosines:Cosines.__init__",
                             "kernels.transforms:Real.__init__",
-                            "kernels.transforms:Cosines.__init__"),
+                            "kernels.cosines:Cosines.__init__"),
     "circles of the preconditioner": ("contact.problem:Contact.circle.made",
                                       "kernels.zones:Circle.__init__"),
     "residual": ("contact.forms:DisplacementForm.residual",
