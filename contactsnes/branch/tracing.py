@@ -16,6 +16,7 @@ from ..continuation.points import Direction, NotConverged
 from ..dynamics import kicks
 from ..solvers import callbacks
 from ..solvers.capabilities import asked
+from ..solvers.krylov import tell_modes
 from ..solvers.linear import exact_jacobian
 from ..solvers.precision import pays
 from ..solvers.ritz import many
@@ -266,6 +267,7 @@ class Tracer(Corrector, Neighbours, Ends):
         snes.setUseEW(False)
         ksp.setOperators(matrix)
         ksp.setTolerances(rtol=tolerance, atol=1e-50)
+        tell_modes(ksp, False)
         if kind == PETSc.KSP.Type.PREONLY:  # good enough for the method, but no tangent
             ksp.setType("fgmres")
         vectors = idle(snes, form)
@@ -283,6 +285,7 @@ class Tracer(Corrector, Neighbours, Ends):
         change = vectors[1].getArray()
         ksp.setType(kind)
         ksp.setTolerances(rtol=tolerances[0], atol=tolerances[1])
+        tell_modes(ksp, True)
         snes.setUseEW(forcing)
         if ksp.getConvergedReason() < 0 and tolerance <= EXACT:
             raise NotConverged(

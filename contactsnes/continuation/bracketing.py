@@ -6,7 +6,7 @@ from dataclasses import replace
 from . import branching
 from .load_steps import MISSED
 from .natural import NaturalSteps, fold_kind
-from .points import NoEquilibrium, NoFold, NotConverged, NoWayBack
+from .points import NoEquilibrium, NoFold, NotConverged, NoWayBack, without_frames
 from .predictors import PREDICTORS
 from .predictors.edge import SPOTS
 from .turning import BRACKET, TurnSearch, starts
@@ -75,16 +75,13 @@ class BracketingSteps(NaturalSteps):
     def _searched(self, error, refused):
         """As of `_fold`, without what was spent before."""
         place, last = self.history[-1]
-        beyond = min(place + refused, 1.0)
+        beyond, failure = min(place + refused, 1.0), None
         try:
             found = self.system.crossed(last, self.leg.load(beyond), f"at {self._place(beyond)}")
-        except NoWayBack as failure:
-            yield from self._by_arc(failure, error, refused)
-            return
-        except (NotConverged, NoEquilibrium) as failure:
-            self.system.log(f"the fold beyond {self._place(place)} is located, since motion does "
-                            f"not tell what lies behind it ({failure})")
-            yield from super()._fold(error, refused)
+        except (NotConverged, NoEquilibrium) as caught:
+            failure = caught
+        if failure is not None:  # not where it is caught, as in `NaturalSteps.__iter__`
+            yield from self._untold(failure, error, refused)
             return
         begin = place + found.begin * (beyond - place)
         if found.end < 1.0:
@@ -100,6 +97,17 @@ class BracketingSteps(NaturalSteps):
                 return
         yield from (self._onward(error, found, beyond) if found.behind is None
                     else self._left(found, beyond))
+
+    def _untold(self, failure, error, refused):
+        """What `_fold` yields where a failure of motion, or of the way back, leaves the bracket
+        untold: by arc length or, where there was no motion, with the fold located."""
+        without_frames(failure)
+        if isinstance(failure, NoWayBack):
+            yield from self._by_arc(failure, error, refused)
+            return
+        self.system.log(f"the fold beyond {self._place(self.history[-1][0])} is located, since "
+                        f"motion does not tell what lies behind it ({failure})")
+        yield from super()._fold(error, refused)
 
     def _nearer(self, found, place, beyond):
         """The point of a `Crossing` before its jump, a fold if it has one, at the begin of a

@@ -19,6 +19,9 @@ from .triangle import Triangle
 WIDE = 2 ** 17
 """Unknowns from which vectors are rounded to short integers: fewer are near the processor, and take
 longer to be widened than to be read."""
+FELL = 0.5
+"""Part of its residual that a cycle of rounded vectors leaves at most; after one that leaves more
+they are in double precision, where more is asked for than single holds."""
 LARGE = 2 ** 16
 """Unknowns from which that is taken, on planes: below, and on lines, PETSc's own vectors take
 little memory, and the way into Python would take time."""
@@ -69,6 +72,14 @@ def release(ksp):
         own.release()
 
 
+def tell_modes(ksp, tells):
+    """Have somebody ask for the Ritz values of the next solves of a KSP, or not, where it is
+    ours."""
+    own = of_ksp(ksp)
+    if own:
+        own.tells = tells
+
+
 def is_ours(pc):
     """Whether a preconditioner is the form's own: the same linear function throughout a solve, as a
     user's, which may be a solver, need not be."""
@@ -99,6 +110,12 @@ def in_library(operator, pc):
     return own.kernel, own.zone, own.choose, getattr(context, "tell", None)
 
 
+def _kind(aim, size, many):
+    """Class of the rows of a cycle that is to lead to a norm of the residual from another one, of
+    many unknowns or not; None in double precision."""
+    return Short if many and aim >= ROUNDED * size else Basis if aim >= SAFE * size else None
+
+
 class GMRES:
     """PETSc's KSP context: GMRES, preconditioned from the right, with classical Gram-Schmidt;
     flexible (Saad, SIAM J. Sci. Comput. 14, 461, 1993), which keeps what the preconditioner made of
@@ -106,7 +123,10 @@ class GMRES:
 
     A cycle that is asked for no more of the residual it begins with than single precision holds
     keeps its vectors so, whatever the products are in, and one that is asked for little rounds
-    those of many unknowns to short integers. That residual is found anew, in double precision.
+    those of many unknowns to short integers. That residual is found anew, in double precision. Of
+    many unknowns that are asked for more, but not for modes, cycles end with what rounded vectors
+    give, as often as it takes: in hardly more iterations than one in double precision, whose
+    vectors take more memory than all else.
 
     Parameters
     ----------
@@ -117,7 +137,10 @@ class GMRES:
     Attributes
     ----------
     idle : Vec that nobody else uses while this solves; None: it makes one
+    tells : whether anybody asks for the Ritz values of its solves
     """
+
+    tells = True
 
     def __init__(self, grid, interpreted=False, cheap=False):
         self._grid, self._cheap = grid, cheap
@@ -166,13 +189,14 @@ class GMRES:
         self._judge(ksp, 0, size)
         if ksp.getConvergedReason() and not again:
             x.set(0.0)
+        many = b.getSize() >= WIDE
+        parts = many and not self.tells and aim < SAFE * size
         while not ksp.getConvergedReason():
             # what is not known of the solution yet is room to work in
-            work = b.duplicate() if again else x
-            few = aim >= ROUNDED * size and b.getSize() >= WIDE
-            iterations = self._iterations(ksp, begin, (vector, work),
-                                          Short if few else Basis if aim >= SAFE * size else None)
-            self._cycle(ksp, iterations, size)
+            work, before = b.duplicate() if again else x, size
+            kind = Short if parts else _kind(aim, size, many)
+            iterations = self._iterations(ksp, begin, (vector, work), kind)
+            self._cycle(ksp, iterations, size, ROUNDED * size if parts else 0.0)
             iterations.end(self.triangle.factors())
             del iterations  # with it PETSc has its vectors back
             if again:
@@ -183,6 +207,7 @@ class GMRES:
                 ksp.getOperators()[0].mult(x, vector)
                 vector.aypx(-1.0, b)
                 size = vector.norm()
+                parts = parts and size < FELL * before
         if vector is not self.idle:
             vector.destroy()
 
@@ -229,17 +254,18 @@ class GMRES:
             reason = PETSc.KSP.ConvergedReason.DIVERGED_MAX_IT
         ksp.setConvergedReason(reason)
 
-    def _cycle(self, ksp, iterations, size):
+    def _cycle(self, ksp, iterations, size, end):
         """A cycle.
 
         Parameters
         ----------
         ksp : petsc4py KSP
         iterations : what makes them
-        size : float, norm of the residual that it begins with
+        size, end : floats, norms of the residual that it begins with, and with which it may end
         """
-        self.triangle = triangle = Triangle(size, self._restart)
-        while triangle.count < self._restart and not ksp.getConvergedReason():
+        self.triangle, norm = Triangle(size, self._restart), size
+        triangle = self.triangle
+        while triangle.count < self._restart and not norm < end and not ksp.getConvergedReason():
             column = iterations(triangle.count, 1.0 / size if size > 0.0 else 1.0)
             norm, size = triangle.add(column), column[-1]
             ksp.setIterationNumber(ksp.getIterationNumber() + 1)

@@ -1,5 +1,6 @@
 """Folds that steps bracket, on problems whose folds are known in closed form."""
 
+import weakref
 from dataclasses import replace
 
 import numpy as np
@@ -206,6 +207,31 @@ def test_steep_branches_have_no_fold(depth):
     assert error is None and events(points) == []
     assert_solutions(system, points)
     assert len({point.position for point in points}) == len(points)
+
+
+@pytest.mark.parametrize("kind", [NoWayBack, NotConverged])
+def test_no_search_holds_what_motion_has_left(kind):
+    """States and forms of the frames that a failure came from are given back before it begins."""
+    class Held:
+        pass
+
+    class Searched(System):
+        def crossed(self, last, beyond, where):
+            held = Held()
+            alive.append(weakref.ref(held))
+            try:
+                raise RuntimeError("within")
+            except RuntimeError:
+                raise kind("nothing is told here")
+
+        def solve_arc(self, *given, **named):
+            asked.append(any(one() is not None for one in alive))
+            return super().solve_arc(*given, **named)
+
+    alive, asked = [], []
+    points, error = bracketed(Searched(cubic()), [-1.875, 2.0], [-1.5])
+    assert error is None and "jump" in events(points)
+    assert alive and asked and not any(asked)
 
 
 def test_a_path_may_stop_at_a_fold():

@@ -191,6 +191,28 @@ def test_cycles_hold_vectors_in_the_precision_they_ask_for(system, options, monk
     assert left <= 1.001 * tolerance * np.linalg.norm(system[1])
 
 
+@pytest.mark.parametrize("fell, kinds", [(krylov.FELL, {Short}), (0.0, {Short, None})])
+def test_solves_that_tell_nothing_of_modes_are_in_parts(system, monkeypatch, fell, kinds):
+    """Whose vectors are rounded, however exact they are to be, as long as that leads on."""
+    monkeypatch.setattr(krylov, "FELL", fell)
+    ksp, theirs = (ksp_of(system[0], context, rtol=1e-9) for context in (GMRES(ALONE, True), None))
+    iterations, seen = of_ksp(ksp)._iterations, []
+    monkeypatch.setattr(of_ksp(ksp), "_iterations", lambda *given: seen.append(given[-1])
+                        or iterations(*given))
+    krylov.tell_modes(ksp, False)
+    (found, _), (expected, _) = (solved(each, system[1]) for each in (ksp, theirs))
+    assert seen[0] is Short and set(seen) == kinds and len(seen) > 1
+    assert ksp.getConvergedReason() == REASONS.CONVERGED_RTOL
+    assert ksp.getIterationNumber() <= 1.4 * theirs.getIterationNumber()
+    np.testing.assert_allclose(found, expected, atol=1e-8 * np.abs(expected).max())
+    left = np.linalg.norm(system[0] @ found - system[1])
+    assert left <= 1.001e-9 * np.linalg.norm(system[1])
+    krylov.tell_modes(ksp, True)
+    seen.clear()
+    solved(ksp, system[1])
+    assert seen == [None]
+
+
 def test_few_unknowns_are_not_rounded(system, monkeypatch):
     monkeypatch.setattr(krylov, "WIDE", SIZE + 1)
     own, seen = GMRES(ALONE, True), []
