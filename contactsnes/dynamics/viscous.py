@@ -26,6 +26,7 @@ from ..interface.laws.law import slip_of
 from ..kernels import points
 from ..options.database import read
 from ..solvers import callbacks
+from ..solvers.krylov import tell_modes
 from ..solvers.leaving import slides, slides_away
 from ..solvers.linear import create_ksp
 from ..solvers.regularised import NewtonOptions, RegularisedStep
@@ -78,6 +79,7 @@ class Equations:
         self.form.set_load(load)
         self.target = (load / self.form.factor)[self.moving] / contact.grid.size
         self.ksp, self.matrix = create_ksp(self.form, "jump_", precision)
+        tell_modes(self.ksp, False)
         self._right, self._step = (create_vector(self.form) for _ in range(2))
         options = read(NewtonOptions, "jump_")
         self._regularised = RegularisedStep(self.form, options.stiffness) if options.gap else None
@@ -175,7 +177,7 @@ class Equations:
         """
         form, ksp, count = self.form, self.ksp, self.form.count
         self._linearise(guess, shift, known)
-        del known  # its memory is that of the linear solve
+        del known, form.work  # their memory is that of the linear solve
         self.matrix.assemble()
         part = exactness.part if self._part is None else self._part
         ksp.setTolerances(rtol=part, atol=exactness.left / (1.0 + shift))

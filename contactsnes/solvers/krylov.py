@@ -21,7 +21,7 @@ WIDE = 2 ** 17
 longer to be widened than to be read."""
 FELL = 0.5
 """Part of its residual that a cycle of rounded vectors leaves at most; after one that leaves more
-they are in double precision, where more is asked for than single holds."""
+they are as exact as what is asked for."""
 LARGE = 2 ** 16
 """Unknowns from which that is taken, on planes: below, and on lines, PETSc's own vectors take
 little memory, and the way into Python would take time."""
@@ -190,7 +190,7 @@ class GMRES:
         if ksp.getConvergedReason() and not again:
             x.set(0.0)
         many = b.getSize() >= WIDE
-        parts = many and not self.tells and aim < SAFE * size
+        parts = many and not self.tells and aim < ROUNDED * size
         while not ksp.getConvergedReason():
             # what is not known of the solution yet is room to work in
             work, before = b.duplicate() if again else x, size

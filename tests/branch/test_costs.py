@@ -171,12 +171,12 @@ def held(name):
 def run(points, start, path, slope):
     scene = Scene(dimension=2, points=points, period=24.0, geometry="rough", rough_on="flat",
                   rough_slope=slope, rough_longest=6.0, rough_shortest=0.75, normal_maugis=2.0,
-                  tangential_maugis=1.0, residual_friction=0.5)
-    step = 0.1 if slope > 2.0 else 0.01
+                  tangential_maugis=1.0, residual_friction=0.5, height=float("inf"))
+    step = 0.1 if slope > 2.0 or "tangential" in path else 0.01
     few = Steps(initial_step=step, largest_step=step)
     jumps = 0
     for point in Branch(scene, Load(start=start, path=path), few):
-        assert points < 384 or point.state.window.is_whole
+        assert points < 256 or point.state.window.is_whole
         jumps += point.event == "jump"
     return jumps
 
@@ -193,18 +193,20 @@ print((held("VmHWM") - before) / 8 / points ** 2, jumps)
 @pytest.mark.parametrize("points, start, path, slope, components, most", [
     (384, 1, "normal_displacement=1.4", 6.0, 1, 27.0),
     (384, 1, "normal_displacement=1.1; tangential_displacement_x=0.2", 6.0, 3, 67.0),
-    (512, 0.3, "normal_displacement=0.36", 2.0, 1, 31.0)])
+    (512, 0.3, "normal_displacement=0.36", 2.0, 1, 31.0),
+    (256, 1.5, "tangential_displacement_x=0.7", 2.0, 3, 76.0)])
 def test_memory_of_a_rough_plane(points, start, path, slope, components, most):
-    """Where the law acts on all nodes, in arrays of these: measured 24, 58, and 28 where linear
-    solves are long and a spot jumps; more is told, for solves of 20 iterations, and of 50."""
+    """Where the law acts on all nodes, in arrays of these: measured 24, 58, and, where linear
+    solves are long and a spot jumps, 28, and 65 of three components; more is told, for solves of 20
+    iterations, and of 50."""
     arguments = [str(points), f"normal_displacement={start}", path, str(slope)]
     done = subprocess.run([sys.executable, "-c", ROUGH, *arguments], capture_output=True,
                           text=True, timeout=300, check=True)
     nodes, (held, jumps) = components * points ** 2, done.stdout.split()
     hard = {"iterations": costs.ITERATIONS} if slope < 6.0 else {}
     told = memory_of_solve(nodes, nodes, **hard) / 8 / points ** 2
-    assert int(jumps) == (slope < 6.0)
-    assert 0.5 * told < float(held) < min(most, told)
+    assert (int(jumps) > 0) is (slope < 6.0)
+    assert 0.45 * told < float(held) < min(most, told)
 
 
 EVEN = """
