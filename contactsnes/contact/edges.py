@@ -92,7 +92,7 @@ def _follow_spot(contact, states, weights):
     if known is None:
         return None
     *places, target = _moved_places(contact, states, known, weights)
-    if not _in_order(target):
+    if not _in_order(target, states[-1].window):
         return None
     _, nodes, (last, *earlier) = alike(contact, [states[-1]], states[:-1])
     known, ahead = [*earlier, last], None
@@ -159,7 +159,7 @@ def _moved_places(contact, states, known, weights):
     moved = max((abs(there - here) for before, after in zip(each, each[1:])
                  for line, other in zip(before, after)
                  for here, there in zip(line[1:-1], other[1:-1])), default=0.0)
-    if moved * in_cohesive_lengths(contact) < FAR or not _in_order(each[-1]):
+    if moved * in_cohesive_lengths(contact) < FAR or not _in_order(each[-1], window):
         # Fronts that hardly move, or meet each other or the edges, are not followed.
         each = _picked(each, (0, -1))
     return each
@@ -170,9 +170,12 @@ def _picked(each, which):
     return [[[line[k] for k in which] for line in lines] for lines in each]
 
 
-def _in_order(places):
-    """Whether places of each direction follow each other, so many nodes apart at least."""
-    return all(after - before >= LEAST for line in places for before, after in zip(line, line[1:]))
+def _in_order(places, window):
+    """Whether places of each direction follow each other, so many nodes apart at least, some nodes
+    of a window between the first and the last."""
+    return all(line[0] < n and line[-1] > 0 and all(
+        after - before >= LEAST for before, after in zip(line, line[1:]))
+        for line, n in zip(places, window.extents))
 
 
 def _near_part(nodes, near):

@@ -453,6 +453,17 @@ def test_there_is_no_edge_to_follow_off_the_flat_or_with_two_spots():
         assert following.follow_edge(contact, [state, good], np.array([-1.0, 2.0])) is None
 
 
+@pytest.mark.parametrize("far", [300.0, -300.0])
+def test_edges_that_would_leave_the_window_are_not_followed(far):
+    """Two states near each other, of two loads that are nearly one, foretell anything."""
+    contact = line()
+    window = contact.grid.whole
+    x = window.coordinates()[0]
+    given = [with_gap(contact, window, (x - shift) ** 2 - 4.0) for shift in (0.0, 0.1)]
+    assert following.follow_edge(contact, given, np.array([-1.0, 2.0])) is not None
+    assert following.follow_edge(contact, given, np.array([1.0 - far, far])) is None
+
+
 def spot(contact, window, places, level):
     """A state of three components that touches in an ellipse with the given first and last places
     (two directions, beta)."""
