@@ -113,11 +113,14 @@ class Equations:
 
     def gap(self, unknown):
         """Gap (components, nodes of the equations), ranges of the law."""
-        return self.form.gap(unknown).copy()
+        gap = self.displacement(unknown)
+        gap[0] += self.form.initial_gap
+        return gap
 
     def traction(self, unknown):
         """Tractions of the law (components, nodes of the equations)."""
-        return self.contact.law.traction(self.form.gap(unknown))
+        gap = self.gap(unknown)
+        return self.contact.law.evaluate(gap, gap)
 
     def near(self, gap):
         """`Near` of a gap (components, nodes of the equations)."""
