@@ -232,12 +232,30 @@ def through_grids(system, found, controls, load, stride):
             coarse = coarser(system, level, tolerance(level, finer))
             if coarse is None:
                 return None
-            state = (on_grid(coarse, controls, load) if state is None
-                     else coarse.solve(state, controls, load, COLD)).state
+            state = _at_level(coarse, state, controls, load)
         # Edges between the nodes of a grid that does not resolve them leave no smooth field.
         state = (refined if _resolved(level) else sharpened)(level, finer, state)
     system.contact.coarse.cache_clear()
     return state
+
+
+def _at_level(coarse, state, controls, load):
+    """The state on a coarser grid from that of the grid before it, or from the start without
+    overlap: where there is none yet, and where the law before it reached so far that the body had
+    come into contact that does not yet under this one.
+
+    Parameters
+    ----------
+    coarse : Corrector on the coarser grid
+    state : State or None
+    controls, load : of the normal component
+    """
+    if state is not None:
+        try:
+            return coarse.solve(state, controls, load, COLD).state
+        except NotConverged:
+            pass
+    return on_grid(coarse, controls, load).state
 
 
 def tolerance(level, finer):

@@ -231,6 +231,18 @@ def test_a_failure_on_coarse_grids_is_told_and_costs_only_time(monkeypatch):
     assert len(said) == 2 and all("the coarse grid failed" in sentence for sentence in said)
 
 
+def test_contact_that_a_softer_law_makes_too_early_costs_its_coarse_grid_alone():
+    """A body that gives way as a whole, brought near: under the law of the coarsest grid it has
+    come into contact, which is no beginning for a sharper one."""
+    scene = {**SPHERE, "points": 512, "normal_maugis": 5.657, "poisson": 0.3}
+    said = []
+    system = made(scene, said.append)
+    point = coldstart.start(system, (DISPLACEMENT,), np.array([0.0]))
+    _, direct, own = first(scene, DISPLACEMENT, 0.0, cascade=False)
+    assert weighed(system.account()) < 0.5 * weighed(own) and not said
+    np.testing.assert_allclose(point.forces, direct.forces, atol=1e-7)
+
+
 def test_every_grid_has_as_many_iterations_as_a_cold_solve(monkeypatch):
     """A sharp law on a fine grid takes more of them than a warm step may."""
     given, run = [], Corrector.run
