@@ -109,6 +109,16 @@ class Neighbours:
         """
         return acceptance.detached(self.contact, *self._alike(guess, last, state), back)
 
+    def leapt(self, last, state):
+        """Whether nodes that crossed the law released so much on the way to a state that the
+        tangent there has to tell of a jump (``acceptance.leapt``).
+
+        Parameters
+        ----------
+        last, state : State, before the step and after it
+        """
+        return acceptance.leapt(self.contact, *self._alike(last, state))
+
     def _alike(self, *found):
         """States with the components of the last of them."""
         count = len(found[-1].means)

@@ -7,7 +7,7 @@ from ..kernels.laws import kernel_of
 from .energies import weights
 from .state import alike
 from .states import REACH
-from .ways import DOUBTFUL, PLACES, RELEASED, SHARES, TRIFLE, by_node, ways
+from .ways import DOUBTFUL, PLACES, RELEASED, SHARES, TRIFLE, by_node, taken, ways
 
 WHOLE = 0.9
 """Part of the held nodes that is nearly all."""
@@ -16,6 +16,12 @@ OFF, OFF_ITS_WAY = 0.2, 0.4
 law, and part of the farthest way of a node in the step."""
 ABRUPT = 0.15
 """What `RELEASED` is for a step that is too long to tell, whatever the tangent behind it says."""
+CROSSED = 1.0
+"""Way of a node, ranges of the law, from which on it may have crossed what holds it."""
+LOST = 0.02
+"""What those nodes release that release energy, over what linear springs do, from which on a step
+that is otherwise without fault is doubted: steps that passed a jump by which a pocket of a contact
+closes had 0.027 to 0.1 of it."""
 PART = 2 ** 14
 """Nodes that are looked at at a time."""
 LEFT = 0.5
@@ -87,6 +93,31 @@ def detached(contact, guess, last, found, back):
     change = (ended - began) * nodes
     return released > ABRUPT or (np.sum(grid.sum((ended - returned) * change))
                                  < LEFT * np.sum(grid.sum(change * change)))
+
+
+def leapt(contact, last, found):
+    """Whether nodes that crossed the law released so much on the way to a state that a jump may be
+    a part of it, though predictions have them where they ended.
+
+    As where the last pocket of a contact closes: nodes come to where all others are, whatever was
+    foretold. What others take up on the same way does not count, so that jumps are seen whose end
+    is far from them.
+
+    Parameters
+    ----------
+    contact : Contact
+    last, found : State, equilibria
+    """
+    if taken(contact, last, found).farthest < CROSSED:
+        return False
+    grid, gap, change, _ = _compared(contact, last, last, found)
+    works = np.zeros(2)
+    for part, each in _parts(grid, np.minimum(gap[0], gap[0] + change[0]) < REACH):
+        done = _works(contact, gap[:, part], change[:, part])
+        np.maximum(done[0], 0.0, out=done[0])
+        works += np.sum(done * each, axis=1)
+    released, springs = grid.together(works)
+    return bool(released > LOST * springs)
 
 
 def _suspects(contact, grid, gap, change, aside):

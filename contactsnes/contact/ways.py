@@ -96,6 +96,19 @@ def ways(contact, guess, last, found):
     return made
 
 
+def taken(contact, last, found):
+    """The Ways of a step, to whatever prediction: those that are kept, else those to where it
+    began.
+
+    Parameters
+    ----------
+    contact, last, found : as of `ways`
+    """
+    asked, made = TOLD.get(found, ((), None))
+    kept = [one() for one in asked[::2]] == [contact, last]
+    return made if kept else ways(contact, last, last, found)
+
+
 def _by_numpy(foretold, ended, began, initial_gap, weights_of, threshold, peak):
     """How a step lies to its prediction, an array: farthest beyond what is allowed, and largest way
     where the law acts; nodes held at first and those of them that open, nodes held at last and

@@ -23,6 +23,9 @@ stability."""
 NEARBY = 0.05
 """Steps below this part of the last one do not tell folds apart any better if they are shorter
 still."""
+FASTER, FAR = 2.0, 0.3
+"""How much faster the load may move where a first step begins than in all of it, and way of such a
+step, ranges of the law, from which on more tells of two folds within it."""
 SWINGS, SWING = 3, 1e-2
 """Folds after the first that, within so small a part of the load, are likely to be those of a
 grid."""
@@ -74,6 +77,7 @@ class FoldingSteps(ArcSteps):
             return None, False
         limit = LimitPoint(self.system, self.leg, last, point, heading if last.event == "fold"
                            else 0.0)
+        self._check_first(limit)
         late = last.event != "fold" and limit.left.slope * heading < 0.0
         if limit.level or (not late and limit.right.slope * heading > 0.0 and mean * heading > 0.0
                            and not limit.turns_between(heading)):
@@ -99,6 +103,13 @@ class FoldingSteps(ArcSteps):
             raise NotConverged(
                 "the sides of the fold are as stable as each other, so that it is another branch's")
         return replace(fold, fold_kind=fold_kind(self.leg, heading)), late
+
+    def _check_first(self, limit):
+        """NotConverged where a first step is too long to tell of two folds within it: of them no
+        slope at its ends tells, nor do points before it."""
+        if (len(self.history) == 2 and limit.right.place > FAR
+            and limit.left.slope * limit.sign > FASTER * abs(limit.rate)):
+            raise NotConverged("the load moves much less than where this first step begins")
 
     def _stands_still(self, last, point):
         """Whether the load changes by rounding only in a long step: where the law is exhausted it

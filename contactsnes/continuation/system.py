@@ -41,8 +41,7 @@ class States(Protocol):
         """Distance of a state from its prediction, root mean square where it matters."""
 
     def ways(self, guess: Any, last: Any, state: Any) -> tuple[float, float]:
-        """Distances of a state from its prediction and from where its step began, as `missed` tells
-        them.
+        """Distances of a state from its prediction and from where its step began, as of `missed`.
 
         Parameters
         ----------
@@ -82,14 +81,16 @@ class States(Protocol):
         """
 
     def detached(self, guess: Any, last: Any, state: Any, back: Any) -> bool:
-        """The same once ``back`` is known, the prediction of ``last`` by the tangent at the
-        state.
+        """The same once ``back`` is known, the prediction of ``last`` by the tangent at the state.
 
         Parameters
         ----------
         guess, last, state : as of `strayed`
         back : a state
         """
+
+    def leapt(self, last: Any, state: Any) -> bool:
+        """Whether a jump may be a part of the way from ``last``, wherever a state was foretold."""
 
     def progress(self, origin: Any, ahead: Any, state: Any) -> float:
         """Part of the way from ``origin`` to ``ahead`` that a state has gone; negative: away.

@@ -215,6 +215,21 @@ def test_a_small_part_of_a_contact_that_snaps_is_seen():
         assert losses(points) == pytest.approx([0.0315073], rel=1e-4)
 
 
+def test_a_first_step_that_closes_the_last_pocket_is_seen_to_jump():
+    """It ends where its prediction has it, and loses 0.005 of what the loads do; the branch behind
+    it does not lead back. It opens again by a jump, too."""
+    scene = {"points": 256, "period": 4.604, "height": 2.11, "normal_maugis": 4.2,
+             "geometry": "rough", "rough_slope": 0.953, "rough_shortest": 0.144,
+             "rough_hurst": 0.3, "rough_seed": 17}
+    for size in (0.03, 1.0):
+        points = walked(scene, "normal_force=0.123461; normal_force=-0.7", size, size,
+                        "normal_displacement=0.790093")
+        assert kinds(points) == [("fold", "jump_in"), ("jump", ""), ("fold", "pull_off"),
+                                 ("jump", "")]
+        np.testing.assert_allclose(folds(points)[:, 0], [-0.529797, -0.590322], rtol=1e-5)
+        assert losses(points) == pytest.approx([0.00152523, 0.00204805], rel=1e-4)
+
+
 @pytest.mark.parametrize("predictor, first", [("edge", "none"), ("none", "relaxation")])
 def test_a_jump_of_a_quarter_range_is_not_stepped_over(predictor, first):
     """Edges that a coarse grid pins: their folds, whatever steps end beside them, and what relaxes

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import petsc4py
 import pytest
+from scipy.special import erf, expit
 
 petsc4py.init([])
 
@@ -382,12 +383,33 @@ def test_two_folds_near_each_other_are_found(back):
 
 
 def points_of(back, *unknowns):
-    """System, leg, and [(position, point), ...] of load = u^3 - back u at some u."""
-    system = System(curve(lambda u: u ** 3 - back * u, lambda u: 3.0 * u ** 2 - back))
+    """As `points_on`, of load = u^3 - back u."""
+    return points_on(lambda u: u ** 3 - back * u, lambda u: 3.0 * u ** 2 - back, unknowns)
+
+
+def points_on(load, slope, unknowns):
+    """System, leg, and [(position, point), ...] of load(u) at some u."""
+    system = System(curve(load, slope))
     leg = Leg(1, ("displacement",), np.array([-1.5]), np.array([1.5]), 0, 0.1, 0.1, 1e-6)
-    points = [system.solve([u], leg.controls, np.array([u ** 3 - back * u])) for u in unknowns]
+    points = [system.solve([u], leg.controls, np.array([load(u)])) for u in unknowns]
     return system, leg, [(place, point.changed(leg=1, position=place)) for point in points
                          for place in ((point.load[0] + 1.5) / 3.0,)]
+
+
+def test_a_first_step_is_no_longer_than_tells_of_two_folds():
+    """Of load that falls from -0.04 to 0.04 in a step from -0.5 to 0.5, no slope at its ends tells:
+    3 and 1."""
+    system, leg, points = points_on(
+        lambda u: u - 0.04 * np.logaddexp(0.0, -50.0 * (u + 0.4))
+        - 0.0375 * np.sqrt(np.pi) * erf(20.0 * u),
+        lambda u: 1.0 + 2.0 * expit(-50.0 * (u + 0.4)) - 1.5 * np.exp(-400.0 * u ** 2),
+        (-0.501, -0.5, -0.3, 0.5))
+    steps = ArcLengthSteps(system, leg, points[:1], PREDICTORS["edge"], "trace")
+    steps._restart()
+    steps.history = points[:2]
+    with pytest.raises(NotConverged, match="much less than where this first step begins"):
+        steps._fold_before(points[3][1])
+    assert steps._fold_before(points[2][1]) == (None, False)
 
 
 def test_a_step_from_next_to_a_fold_is_asked_for_two():

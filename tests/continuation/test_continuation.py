@@ -196,7 +196,7 @@ class System:
     def doubtful(self, *_):
         return False
 
-    adrift = detached = doubtful
+    adrift = detached = leapt = doubtful
 
     def progress(self, origin, ahead, state):
         return (state - origin) @ (ahead - origin) / ((ahead - origin) @ (ahead - origin))
@@ -789,6 +789,28 @@ def test_the_branch_leads_back_from_where_a_step_ends_off_all_predictions(adrift
     with (pytest.raises(NotConverged, match="hardly leads back, perhaps on another branch")
           if refused else nullcontext()):
         assert steps._step(0.2, SECANT).position == 0.2
+
+
+@pytest.mark.parametrize("leapt, slope, refused", [(False, 1.0, False), (True, 2.0, False),
+                                                   (True, 0.4, True)])
+def test_the_branch_leads_back_from_where_nodes_leapt_to_where_they_were_foretold(leapt, slope,
+                                                                                 refused):
+    """A step may end beyond a jump where all predictions have it."""
+    system = Landing([0.41], explicit(lambda load: slope * load, lambda load: slope))
+    system.leapt = lambda *_: leapt
+    steps = NaturalSteps(system, UNIT_LEG, system.points([0.0], [0.2]), SECANT, "jump")
+    with (pytest.raises(NotConverged, match="hardly leads back, perhaps on another branch")
+          if refused else nullcontext()):
+        assert steps._step(0.2, SECANT).position == 0.2
+
+
+def test_what_three_points_foretell_is_not_asked_whether_it_leapt():
+    """Smooth paths take no tangent for it."""
+    system = Landing([0.6], explicit(lambda load: load, lambda load: 1.0))
+    system.leapt = lambda *_: pytest.fail("asked")
+    history = system.points([0.0], [0.2], [0.4])
+    steps = NaturalSteps(system, UNIT_LEG, history, SECANT, "jump")
+    assert steps._step(history[-1][0] + 0.1, SECANT).state[0] == 0.6
 
 
 def test_one_tangent_is_held_at_a_time():
