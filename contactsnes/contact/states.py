@@ -230,13 +230,14 @@ def chord_length(contact, first, last):
 
 def progress(contact, origin, ahead, state):
     """Part of the way from ``origin`` to ``ahead`` that a state has gone: its projection, on the
-    window of ``ahead``.
+    smaller window of the two. (Beyond it, out of the law's range, one of them is not known.)
 
     Parameters
     ----------
     contact : Contact
     origin, ahead, state : State
     """
-    start = onto(origin, ahead.window)
-    way, gone = ahead.displacement - start, onto(state, ahead.window) - start
+    window = min(ahead.window, origin.window, key=lambda one: one.total)
+    start = onto(origin, window)
+    way, gone = onto(ahead, window) - start, onto(state, window) - start
     return contact.grid.inner(gone, way) / max(contact.grid.inner(way, way), 1e-300)

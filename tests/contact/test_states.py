@@ -453,6 +453,18 @@ def test_there_is_no_edge_to_follow_off_the_flat_or_with_two_spots():
         assert following.follow_edge(contact, [state, good], np.array([-1.0, 2.0])) is None
 
 
+def test_progress_does_not_ask_for_nodes_of_one_end_alone():
+    """A first point may be known on a wider window than the next one."""
+    contact = line()
+    wide, narrow = (Window(contact.grid, (POINTS // 2 - n,), (2 * n + 1,)) for n in (90, 50))
+    for first, second in ((wide, narrow), (narrow, wide), (wide, wide)):
+        begin, end = parabola(contact, first, 2.0), parabola(contact, second, 2.4)
+        between = states.State(second, 0.7 * end.displacement + 0.3 * states.onto(begin, second),
+                               end.means)
+        for origin, ahead, part in ((begin, end, 0.7), (end, begin, 0.3)):
+            assert states.progress(contact, origin, ahead, between) == pytest.approx(part, abs=1e-9)
+
+
 @pytest.mark.parametrize("far", [300.0, -300.0])
 def test_edges_that_would_leave_the_window_are_not_followed(far):
     """Two states near each other, of two loads that are nearly one, foretell anything."""
