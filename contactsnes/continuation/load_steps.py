@@ -108,23 +108,20 @@ class LoadSteps:
         if guess is None:
             guess = predict(self.system, self.history, self.leg, target, predictor)
         point = self.system.solve(guess, self.leg.controls, self.leg.load(target))
-        here, last = self.history[-1]
+        last = self.history[-1][1]
         missed, moved = self.system.ways(guess, last.state, point.state)
-        wrong, led = 0.0 if guess is last.state else missed, None
+        wrong, self._led = 0.0 if guess is last.state else missed, None
         if len(self.history) == 1 and moved > FIRST:
             # Nothing tells how far a first step goes, and a tangent next to a fold may hit another
             # branch: look back.
-            back = self.system.along_tangent(point, self.leg, target, here - target)
-            wrong = max(wrong, self.system.missed(back, last.state))
-            led = self.system.progress(point.state, last.state, back)
-            del back  # whose memory predictions take
+            wrong = max(wrong, self.system.missed(self._way_back(target, point), last.state))
         far = missed > MISSED and moved > FAR and moved > FASTER * self._expected(target)
         aside = (f"the solve ended {max(missed, wrong):.3g} ranges from its prediction, "
                  f"{moved:.3g} from the last point"
                  if far or (wrong > MISSED and wrong > SHARE * moved)
                  else self._strayed(guess, target, point))
         if not aside and (len(self.history) < 3 or missed > SURE * moved):
-            aside = self._leapt(target, point, led)
+            aside = self._leapt(target, point)
         if aside:
             raise NotConverged(f"{aside}, perhaps on another branch")
         return point.changed(leg=self.leg.number, position=target)
@@ -153,11 +150,10 @@ class LoadSteps:
                     return ""
         if doubted is None and not off:
             return "nodes of the solve ended where no prediction has them"
-        back = self.system.along_tangent(point, self.leg, target, here - target)
+        back = self._way_back(target, point)
         if doubted is None:
-            led = self.system.progress(point.state, last.state, back)
-            return "" if led > BACK else ("nodes of the solve ended off all predictions, and the "
-                                          "branch there hardly leads back")
+            return "" if self._led > BACK else ("nodes of the solve ended off all predictions, and "
+                                                "the branch there hardly leads back")
         if not self.system.detached(doubted, last.state, point.state, back):
             return ""
         del foretold, doubted, back  # whose memory the next one takes
@@ -167,23 +163,23 @@ class LoadSteps:
                    or self.system.doubtful(ahead, last.state, point.state))
         return "nodes of the solve released energy on their way" if snapped else ""
 
-    def _leapt(self, target, point, led):
+    def _leapt(self, target, point):
         """How a step released energy to end where predictions have it, but the branch does not lead
-        back. '' where it does.
-
-        Parameters
-        ----------
-        target, point : where the step ended
-        led : what part of the way back the tangent there leads; None where nobody asked
-        """
-        here, last = self.history[-1]
-        if not self.system.leapt(last.state, point.state):
+        back. '' where it does."""
+        if not self.system.leapt(self.history[-1][1].state, point.state):
             return ""
-        if led is None:
-            back = self.system.along_tangent(point, self.leg, target, here - target)
-            led = self.system.progress(point.state, last.state, back)
-        return "" if led > LED else ("nodes released energy on their way, and the branch where "
-                                     "they ended hardly leads back")
+        if self._led is None:
+            self._way_back(target, point)
+        return "" if self._led > LED else ("nodes released energy on their way, and the branch "
+                                           "where they ended hardly leads back")
+
+    def _way_back(self, target, point):
+        """Where the tangent at the end of a step leads on the way back; what part of that way it
+        leads is kept for who asks next."""
+        here, last = self.history[-1]
+        back = self.system.along_tangent(point, self.leg, target, here - target)
+        self._led = self.system.progress(point.state, last.state, back)
+        return back
 
     def _foretold(self, guess, target):
         """Predictions of the state at a place, the cheapest first: the guess, if it is one, and

@@ -779,25 +779,15 @@ def test_a_step_that_one_prediction_foretells_without_doubt_is_kept(trusted, ref
     assert system.tangents == (2 if refused else trusted)
 
 
-@pytest.mark.parametrize("adrift, slope, refused", [(False, 1.0, False), (True, 2.0, False),
-                                                    (True, 1.0, True)])
-def test_the_branch_leads_back_from_where_a_step_ends_off_all_predictions(adrift, slope, refused):
-    """Behind a short jump, of which no energy tells, it does by what the load moves it only."""
-    system = Landing([0.4], explicit(lambda load: slope * load, lambda load: slope))
-    system.adrift = lambda *_: adrift
-    steps = NaturalSteps(system, UNIT_LEG, system.points([0.0], [0.2]), SECANT, "jump")
-    with (pytest.raises(NotConverged, match="hardly leads back, perhaps on another branch")
-          if refused else nullcontext()):
-        assert steps._step(0.2, SECANT).position == 0.2
-
-
-@pytest.mark.parametrize("leapt, slope, refused", [(False, 1.0, False), (True, 2.0, False),
-                                                   (True, 0.4, True)])
-def test_the_branch_leads_back_from_where_nodes_leapt_to_where_they_were_foretold(leapt, slope,
-                                                                                 refused):
-    """A step may end beyond a jump where all predictions have it."""
-    system = Landing([0.41], explicit(lambda load: slope * load, lambda load: slope))
-    system.leapt = lambda *_: leapt
+@pytest.mark.parametrize("doubt, end, doubted, slope, refused", [
+    ("adrift", 0.4, False, 1.0, False), ("adrift", 0.4, True, 2.0, False),
+    ("adrift", 0.4, True, 1.0, True), ("leapt", 0.41, False, 1.0, False),
+    ("leapt", 0.41, True, 2.0, False), ("leapt", 0.41, True, 0.4, True)])
+def test_the_branch_leads_back_from_where_a_step_is_in_doubt(doubt, end, doubted, slope, refused):
+    """It ended off all predictions, behind a short jump of which no energy tells, where it leads
+    back by what the load moves it only; or nodes leapt to where all predictions have them."""
+    system = Landing([end], explicit(lambda load: slope * load, lambda load: slope))
+    setattr(system, doubt, lambda *_: doubted)
     steps = NaturalSteps(system, UNIT_LEG, system.points([0.0], [0.2]), SECANT, "jump")
     with (pytest.raises(NotConverged, match="hardly leads back, perhaps on another branch")
           if refused else nullcontext()):
