@@ -22,6 +22,12 @@ static long parts_of(const Transform *t)
     return t->both[0] || t->both[1] ? 2 : 1;
 }
 
+/* whether n numbers are all of a direction that closes on itself, the first of which is its own image */
+static int is_whole(const Line *l, long n)
+{
+    return l->closed && n == 2 * (l->points - 1);
+}
+
 #define BODY "folded.h"
 #include "both.h"
 

@@ -158,12 +158,6 @@ CLONES static void OF(join)(REAL *restrict e, REAL *restrict o, long n)
     }
 }
 
-/* whether n numbers are all of a direction that closes on itself, the first of which is its own image */
-static int OF(is_whole)(const Line *l, long n)
-{
-    return l->closed && n == 2 * (l->points - 1);
-}
-
 /* A row of n complex numbers on both sides of the axis: its even part in place, and its odd part after it. */
 static void OF(part_row)(const Line *l, REAL *row, long n)
 {
@@ -176,7 +170,7 @@ static void OF(part_row)(const Line *l, REAL *row, long n)
     memset(o + 2, 0, 2 * (c - 1) * sizeof *w);
     OF(mirror)(w, o, middle, 1);
     if (middle) memcpy(o + 2 * middle, w, 2 * sizeof *w);
-    if (middle && OF(is_whole)(l, n)) memcpy(e + 2 * middle, w, 2 * sizeof *w);
+    if (middle && is_whole(l, n)) memcpy(e + 2 * middle, w, 2 * sizeof *w);
     OF(part)(e, o, 2 * c);
 }
 
@@ -211,7 +205,7 @@ CLONES static void OF(gather_both)(const Transform *t, long field, long first, l
     }
     for (long q = 0; q < pairs; q++) {
         memcpy(o + q * apart, e + q * apart, 2 * sizeof *e);
-        if (middle && OF(is_whole)(&t->line[0], used))
+        if (middle && is_whole(&t->line[0], used))
             memcpy(e + q * apart + 2 * middle, o + q * apart + 2 * middle, 2 * sizeof *e);
         OF(part)(e + q * apart, o + q * apart, 2 * r);
     }
