@@ -114,9 +114,10 @@ def layer_compliance(wavenumber, poisson, height):
 
     Parameters
     ----------
-    wavenumber, poisson, height : as of `layer_stiffness`
+    wavenumber, poisson, height : as of `layer_stiffness`; a wave number may be complex, with a real
+        part that is positive and an imaginary one below about 1/height
     """
-    shape, q = np.shape(wavenumber), np.ravel(np.asarray(wavenumber, dtype=float))
+    shape, q = np.shape(wavenumber), np.ravel(1.0 * np.asarray(wavenumber))
     # most waves of a tall layer are those of a half-space
     found = [2 / q, 2 / q, 2 / (1 - poisson) / q, (1 - 2 * poisson) / (1 - poisson) / q]
     thin = q * height < _THICK

@@ -12,9 +12,10 @@ so that the circulant product on it is the unbounded one for nodes that lie with
 each other.
 
 The line's integrals are sine and cosine integrals beside Gauss-Legendre sums over what a layer
-changes. In the plane the kernel is cut off beyond the largest distance of two nodes, which makes
-its transform smooth (Vico, Greengard and Ferrando, J. Comput. Phys. 323, 191, 2016), so that a sum
-over waves is as good as the integral.
+changes; far beyond its height those leave what the end of the band makes, waves that turn their
+sign from node to node and fall as a power of the distance, no faster. In the plane the kernel is
+cut off beyond the largest distance of two nodes, which makes its transform smooth (Vico, Greengard
+and Ferrando, J. Comput. Phys. 323, 191, 2016), so that a sum over waves is as good as the integral.
 """
 
 import math
@@ -29,11 +30,15 @@ from ..grid.operator import Operator
 from .bodies.layer import Layer
 from .elasticity import Surface, layer_compliance
 
-THICK = 40.0
-"""qH beyond which layer and half-space agree to rounding."""
+THICK = 22.0
+"""k = qH beyond which layer and half-space agree to rounding, k^2 exp(-2k) < 1e-16."""
 
-FORGOTTEN = 22.0
-"""Distance, in heights of a layer, beyond which it does not deform: exp(-pi/2 22) < 1e-14."""
+FORGOTTEN = 45.0
+"""Distance, in heights of a layer, beyond which it does not deform: exp(-0.739 45) < 1e-14, since
+cos(0.739) = 0.739 is a zero of an incompressible layer's stiffness, the slowest of any."""
+
+TURNED = np.polynomial.laguerre.laggauss(24)
+"""Nodes and weights of integrals along waves whose numbers grow by an imaginary part."""
 
 PLACES = 3001
 """Distances at which splines of what a layer changes are given."""
@@ -76,11 +81,8 @@ def free_space(body, grid, components):
 
 def _of_layer(body, grid, components):
     """Symbols of an unbounded layer or half-space."""
-    if min(grid.periods) / 2 >= FORGOTTEN * body.height:
-        symbols = body.compliance(grid.wavevectors(), components)
-        for i in range(components):
-            symbols[i, i].flat[0] = body.rigid_compliance[min(i, 1)]
-        return symbols
+    if len(grid.shape) > 1 and min(grid.periods) / 2 >= FORGOTTEN * body.height:
+        return _with_means(body, grid, components)
     kernels = (_line if len(grid.shape) == 1 else _plane)(body, grid, components)
     plan, symbols = Transform(grid, grid.shape, 1), {}
     for (i, j), kernel in kernels.items():
@@ -138,11 +140,12 @@ def _line_integrals(body, x, band):
         even = np.append(0.0, cosine - np.euler_gamma - np.log(band * x[1:])) * 2 / math.pi
         return even, even, np.append(0.0, sine) * 2 * dundurs / math.pi
     limit = min(THICK / body.height, band)
-    q, weights = _panels(limit, x[-1])
-    surface = layer_compliance(q, body.poisson, body.height)
-    rows = np.stack([surface.normal, surface.longitudinal, surface.coupling]) * weights / math.pi
+    near = int(np.searchsorted(x, FORGOTTEN * body.height, side="right"))
+    q, weights = _panels(limit, x[near - 1])
+    rows = _in_line(body, q) * weights / math.pi
     result = np.empty((3, x.size))
-    for part in np.array_split(np.arange(x.size), max(1, x.size * q.size // 2 ** 21)):
+    result[:, near:] = -_beyond(body, x[near:], limit) / math.pi
+    for part in np.array_split(np.arange(near), max(1, near * q.size // 2 ** 21)):
         phase = np.outer(q, x[part])
         result[:2, part] = rows[:2] @ np.cos(phase)
         result[2, part] = rows[2] @ np.sin(phase)
@@ -151,6 +154,21 @@ def _line_integrals(body, x, band):
         result[:2] += np.append(math.log(band / limit), cosine - low_cosine) * 2 / math.pi
         result[2] += np.append(0.0, sine - low_sine) * 2 * dundurs / math.pi
     return result
+
+
+def _in_line(body, q):
+    """C_nn, C_LL and c of a layer at wave numbers q, array (3, *shape of q)."""
+    surface = layer_compliance(q, body.poisson, body.height)
+    return np.stack([surface.normal, surface.longitudinal, surface.coupling])
+
+
+def _beyond(body, x, limit):
+    """Integrals of C_nn cos qx, C_LL cos qx and c sin qx from ``limit`` on, at distances x at which
+    those from 0 on are nothing: along limit + is, where the waves fall as exp(-sx)."""
+    places, weights = TURNED
+    falling = _in_line(body, limit + 1j * places[:, None] / x)
+    waves = 1j * np.exp(1j * limit * x) / x * np.einsum("k,ikn->in", weights, falling)
+    return np.stack([*waves[:2].real, waves[2].imag])
 
 
 def _integral_of_j0(x):
@@ -185,24 +203,40 @@ class _CutHalfspace(Layer):
         return Surface(even, mean + deviation, mean - deviation,
                        2 * _dundurs(self.poisson) / wavenumber * (1 - j0(phase)))
 
+    @property
+    def rigid_compliance(self):
+        """Of waves without end."""
+        return 2.0 * self.distance, (1.0 + 1.0 / (1.0 - self.poisson)) * self.distance
+
 
 def _plane(body, grid, components):
-    """Kernels G_ij at the lags of a plane."""
+    """Kernels G_ij at the lags of a plane.
+
+    The waves of a layer thinner than some nodes end beyond the band: what it changes is no sum over
+    nodes, but it forgets so soon that a cell somewhat larger is as good as none.
+    """
+    thin = body.height * math.pi / max(grid.spacings) < THICK
     sides = [period / 2 for period in grid.periods]
-    distance = math.hypot(*sides)
+    distance = FORGOTTEN * body.height if thin else math.hypot(*sides)
     shape = [2 * next_fast_len(math.ceil((distance + side) / spacing / 2) + 1)
              for side, spacing in zip(sides, grid.spacings)]
     padded = Grid(shape, [n * spacing for n, spacing in zip(shape, grid.spacings)], grid.counter)
-    symbols = _CutHalfspace(body, distance).compliance(padded.wavevectors(), components)
-    for i in range(components):
-        symbols[i, i].flat[0] = distance * (2.0 if i == 0 else 1.0 + 1.0 / (1.0 - body.poisson))
+    symbols = _with_means(body if thin else _CutHalfspace(body, distance), padded, components)
     lags = [np.append(np.arange(n // 2 + 1), np.arange(-n // 2 + 1, 0)) for n in grid.shape]
     operator = Operator(padded, symbols)
     kernels = {key: operator.kernel(key)[np.ix_(*lags)] / grid.node_area for key in symbols}
-    if np.isfinite(body.height):
+    if np.isfinite(body.height) and not thin:
         _add_layer(body, [lag * spacing for lag, spacing in zip(lags, grid.spacings)], distance,
                    kernels, components)
     return kernels
+
+
+def _with_means(body, grid, components):
+    """Symbols of a body's compliance on a cell, with their zero mode."""
+    symbols = body.compliance(grid.wavevectors(), components)
+    for i in range(components):
+        symbols[i, i].flat[0] = body.rigid_compliance[min(i, 1)]
+    return symbols
 
 
 def _add_layer(body, axes, distance, kernels, components):

@@ -93,6 +93,33 @@ def test_line_is_the_limit_of_large_periods(poisson, height):
     assert errors[1] < max(0.6 * errors[0], 1e-12)
 
 
+def lagged(body, points, spacing):
+    """Blocks of the kernel of a line, each at all lags of half a cell: array (3, lags)."""
+    grid = Grid((points,), (points * spacing,))
+    operator = Operator(grid, free_space(body, grid, 2))
+    return np.stack([operator.kernel(key)[:points // 2] for key in ((0, 0), (1, 1), (0, 1))])
+
+
+@pytest.mark.parametrize("poisson, height", [(0.5, 0.4), (0.3, 0.4), (0.3, 3.0), (0.0, 0.02)])
+def test_kernel_of_a_line_does_not_depend_on_its_length(poisson, height):
+    """That of the band's waves, by Gauss over panels of less than a turn; what the band's end makes
+    falls as a power of the lag, and is more than rounding at a hundred heights and more."""
+    body, spacing = Layer(poisson, height), 0.15
+    kernels = [lagged(body, points, spacing) for points in (64, 256, 1024)]
+    lags = np.arange(512) * spacing
+    edges = np.linspace(0.0, math.pi / spacing, 400)
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    q = (edges[:-1, None] + np.diff(edges)[:, None] / 2 * (1.0 + nodes)).ravel()
+    each = np.outer(np.diff(edges) / 2, weights).ravel() * spacing / math.pi
+    surface, phase = layer_compliance(q, poisson, height), np.outer(q, lags)
+    exact = np.stack([(surface.normal * each) @ np.cos(phase),
+                      (surface.longitudinal * each) @ np.cos(phase),
+                      (surface.coupling * each) @ np.sin(phase)])
+    for kernel in kernels:
+        np.testing.assert_allclose(kernel, exact[:, :kernel.shape[1]], rtol=0,
+                                   atol=1e-12 * exact.max())
+
+
 def plane_integral(body, combine, order, r):
     """1/(2 pi) times the integral of a combination of the compliance's entries times the transform
     and q J_order(q r)."""
@@ -100,6 +127,17 @@ def plane_integral(body, combine, order, r):
     transform = lambda q: 2 * math.pi * WIDTH ** 2 * np.exp(-(q * WIDTH) ** 2 / 2)
     return integral(lambda q: combine(layer_compliance(q, body.poisson, body.height))
                     * transform(q) * q * bessel(q * r)) / (2 * math.pi)
+
+
+@pytest.mark.parametrize("height", [0.2, 0.35, 2.4, 2.5])
+def test_a_layer_in_the_plane_does_not_depend_on_the_size_of_the_grid(height):
+    """Layers as thin as a distance of two nodes, whose waves end beyond the band, and thicker ones:
+    what they change is smooth from seven distances on."""
+    body, fields = Layer(0.3, height), (gaussian, nothing, nothing)
+    (_, small), (_, large) = (deformed(body, Grid((n, n), (0.35 * n, 0.35 * n)), fields)
+                              for n in (40, 160))
+    inner = np.pad(np.ones((20, 20), bool), 30)
+    np.testing.assert_allclose(small, large[:, inner].reshape(small.shape), rtol=0, atol=2e-6)
 
 
 def test_integral_of_j0_is_that_of_sums_and_of_struve_functions():
