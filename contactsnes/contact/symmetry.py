@@ -56,8 +56,9 @@ class Symmetry:
 
     def scatters(self, components):
         """Whether solves with so many components are on some nodes of the plane instead of boxes:
-        where processes share out the cell, these are for even states alone."""
-        return self.contact.scattered and not (self.contact.grid.shared and self.holds(components))
+        where processes share out the cell, these are for states with mirrors alone."""
+        return self.contact.scattered and not (self.contact.grid.shared
+                                               and self.parities(components) is not None)
 
     def parities(self, components):
         """Those of so many components, of `parity.parities`, or, where states have one mirror of

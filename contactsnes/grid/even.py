@@ -113,6 +113,12 @@ class EvenWindow:
         self.grid = EvenGrid(cell, reduce(np.multiply.outer, lines).reshape(-1))
 
     @property
+    def units(self):
+        """Of what numbers of nodes parts begin at, in each direction: processes have pairs of
+        rows."""
+        return (1 if self.mirrors[0] else 2), 1
+
+    @property
     def outwards(self):
         """Nodes of each direction from the axis outwards."""
         return tuple(n if mirror else n // 2 + 1 for n, mirror in zip(self.extents, self.mirrors))

@@ -94,7 +94,7 @@ def one_mirror(contact, components, loaded=()):
     ----------
     contact, components, loaded : as of `obstacle`
     """
-    if len(contact.grid.shape) < 2 or contact.grid.shared or not contact.unevenness <= UNEVEN:
+    if len(contact.grid.shape) < 2 or not contact.unevenness <= UNEVEN:
         return None
     found = (parities(contact.operator(components), components, loaded, axis) for axis in (0, 1))
     return next(filter(None, found), None)

@@ -2,14 +2,14 @@
 (`slab_even`)."""
 
 import math
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 
 from .cosines import along, closes, cosine_waves, gain_of
 from .counter import transform_cost
 from .filtering import Filtering
-from .slab_transform import Exchange, SlabCircle, share
+from .slab_transform import Exchange, share
 
 
 class SlabCosines(Filtering):
@@ -96,25 +96,38 @@ class SlabCosines(Filtering):
             if field.size:
                 along(field, axis, self._kinds[back][axis], odd)
 
-    def forward(self):
-        """``real`` to ``spectrum``."""
-        self._grid.counter.add(*self._cost)
+    @property
+    def came(self):
+        """Columns of waves of rows, array (count, *spectrum)."""
+        return self.spectrum
+
+    def to_columns(self):
+        """``real`` to columns of waves of rows, which nobody counts."""
         self._along_rows(False)
         for row, block in self._blocks:
             np.copyto(block, row)
         self._exchange.send()
         for _, (spectrum, _) in self._exchange.pairs if self._empty.size else ():
             spectrum[self._empty] = 0.0
+
+    def from_columns(self):
+        """The same back."""
+        self._exchange.take()
+        for row, block in self._blocks:
+            np.copyto(row, block)
+        self._along_rows(True)
+
+    def forward(self):
+        """``real`` to ``spectrum``."""
+        self._grid.counter.add(*self._cost)
+        self.to_columns()
         self._along_columns(False)
 
     def backward(self):
         """``spectrum`` to ``real``, times ``gain``."""
         self._grid.counter.add(*self._cost)
         self._along_columns(True)
-        self._exchange.take()
-        for row, block in self._blocks:
-            np.copyto(row, block)
-        self._along_rows(True)
+        self.from_columns()
 
     @staticmethod
     def wavevectors(shape, closed, spacings, mine):
@@ -131,26 +144,3 @@ class SlabCosines(Filtering):
     def ordered(self, symbol):
         """A symbol on this process's waves in their order, which is that of their numbers."""
         return np.ascontiguousarray(symbol)
-
-
-class SlabEvenCircle(SlabCircle):
-    """Waves of even fields that are shared out: transforms on them, once it is known which process
-    has which rows (`placed`).
-
-    Parameters
-    ----------
-    grid, shape, count, parities : as of `SlabCosines`
-    kind : of the transforms, as `SlabCosines`
-    """
-
-    def __init__(self, grid, shape, count, parities=None, kind=SlabCosines):
-        super().__init__(grid, shape, count, partial(kind, parities=parities))
-        self._waves = kind.wavevectors
-        self._closed = closes(grid, shape)
-        self.gain = gain_of(shape, self._closed)
-
-    def wavevectors(self, spacings):
-        """Wave numbers of this process's waves, 1/beta, to broadcast."""
-        comm = self._grid.comm
-        return self._waves(self.shape, self._closed, spacings,
-                           share(self.shape[1], comm.rank, comm.size))

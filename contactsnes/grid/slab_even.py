@@ -1,11 +1,11 @@
 """Even and odd fields of a cell that is shared out among processes (`slabs`): a quarter of the
-nodes of a box, of whose rows every process has as many as others, wherever those of the cell
-are."""
+nodes of a box, or half of them, of whose rows every process has as many as others, wherever those
+of the cell are."""
 
 import numpy as np
 
 from .even import EvenWindow, line_weights, negate
-from .mirrors import unlike
+from .mirrors import unlike, without_mirror
 from .rows import Rows
 from .slab import Slab
 from .slab_transform import share, shares
@@ -30,26 +30,42 @@ class SlabEven(EvenWindow):
         cell = full.grid
         self.full, self.parities, self.limits = full, unlike(parities), tuple(
             n // 2 + 1 for n in cell.shape)
-        self.extents, self.closed = tuple(n // 2 + 1 for n in full.extents), full.closed
+        without = without_mirror(self.parities)
+        self.mirrors, self.closed = tuple(axis != without for axis in range(2)), full.closed
+        self.extents = tuple(n // 2 + 1 if mirror else n
+                             for n, mirror in zip(full.extents, self.mirrors))
         # in pairs, which single precision takes for one row of complex numbers
         ends = [[min(2 * end, self.extents[0]) for end in (first, first + number)]
                 for first, number in shares((self.extents[0] + 1) // 2, cell.comm.size)]
+        beyond = "mirror" if self.mirrors[0] else "wrap" if self.closed[0] else "nearest"
         self.rows = Rows(cell.comm, [(begin, end - begin) for begin, end in ends],
-                         self.extents[0], "mirror")
-        self.start = tuple(n // 2 + first for n, first in zip(cell.shape, (self.rows.first, 0)))
+                         self.extents[0], beyond)
+        begin = [n // 2 if mirror else first
+                 for n, first, mirror in zip(cell.shape, full.origin, self.mirrors)]
+        self.start = begin[0] + self.rows.first, begin[1]
         self.shape = self.rows.count, self.extents[1]
         self.size = self.shape[0] * self.shape[1]
-        self._lines = [line_weights(*line) for line in zip(self.extents, self.closed)]
+        self._lines = [line_weights(count, closed) if mirror else np.ones(count)
+                       for count, closed, mirror in zip(self.extents, self.closed, self.mirrors)]
         weights = np.multiply.outer(self._lines[0][self.rows.numbers], self._lines[1])
         self.grid = cell.weighted(weights.reshape(-1), self.rows)
 
     occupied, own, total, with_rows = Slab.occupied, Slab.own, Slab.total, Slab.with_rows
-    line, divided, put_part, placed = Slab.line, Slab.divided, Slab.put_part, Slab.placed
-    ends = Slab.ends
+    line, divided, put_part, ends = Slab.line, Slab.divided, Slab.put_part, Slab.ends
     indices = None  # those of the cell are in other processes
-    mirrors = (True, True)
 
-    def _outwards(self, rows, values, extents):
+    def placed(self, transform, part=None):
+        """As `Slab.placed`.
+
+        Parameters
+        ----------
+        transform : SlabEvenCircle
+        part : slices of the box
+        """
+        rows, columns = part or [slice(0, n) for n in self.extents]
+        return transform.placed(self.rows.within(rows), columns.stop - columns.start)
+
+    def _outwards(self, rows, values, extents, origin):
         """Values (..., nodes) at these nodes, of a box (..., rows, columns) about the apex.
 
         Parameters
@@ -57,9 +73,11 @@ class SlabEven(EvenWindow):
         rows : Rows of the box
         values : array (..., rows, columns)
         extents : rows and columns of the box
+        origin : first row and column of the full window in it
         """
-        half = extents[1] // 2
-        wanted = [(extents[0] // 2 + np.arange(first, first + count)) % extents[0]
+        begin, half = (n // 2 if mirror else first
+                       for n, first, mirror in zip(extents, origin, self.mirrors))
+        wanted = [(begin + np.arange(first, first + count)) % extents[0]
                   for first, count in self.rows.parts]
         found = rows.given(values[..., half:half + self.extents[1]], wanted)
         if found.shape[-1] < self.extents[1]:
@@ -69,11 +87,13 @@ class SlabEven(EvenWindow):
 
     def take(self, field):
         """Values (..., nodes) of a field (..., rows, columns) over the cell at these nodes."""
-        return self._outwards(self.full.grid.rows, field, self.full.grid.shape)
+        cell = self.full.grid
+        return self._outwards(cell.rows, field, cell.shape, self.full.origin)
 
     def fold(self, values):
         """As `EvenWindow.fold`."""
-        return self.odd(self._outwards(self.full.rows, self.full.box(values), self.full.extents))
+        full = self.full
+        return self.odd(self._outwards(full.rows, full.box(values), full.extents, (0, 0)))
 
     def _numbers(self, axis):
         """As `EvenWindow._numbers`, of those here."""
@@ -83,11 +103,12 @@ class SlabEven(EvenWindow):
         """Values (..., nodes) of the full window from those at these nodes; what is odd is so for
         arrays (components, nodes) alone."""
         numbers = self.full.rows.numbers, np.arange(self.full.extents[1])
-        half, columns = self.full.extents[0] // 2, self.full.extents[1]
-        rows = self.rows.given(self.box(values), [np.abs(np.arange(first, first + count) - half)
-                                                  for first, count in self.full.rows.parts])
-        found = np.concatenate([rows[..., columns // 2:0:-1], rows[..., :columns - columns // 2]],
-                               axis=-1)
+        half, columns = self.full.extents[0] // 2 * self.mirrors[0], self.full.extents[1]
+        found = self.rows.given(self.box(values), [np.abs(np.arange(first, first + count) - half)
+                                                   for first, count in self.full.rows.parts])
+        if self.mirrors[1]:
+            found = np.concatenate([found[..., columns // 2:0:-1],
+                                    found[..., :columns - columns // 2]], axis=-1)
         for field, signs in zip(found, self.parities or () if found.ndim > 2 else ()):
             for axis, odd in enumerate(signs):
                 if odd < 0:
@@ -103,7 +124,8 @@ class SlabEven(EvenWindow):
     def ringed(self, box):
         """A box (rows, columns) with the mirror images, or rows of others, around it: a row before
         and, as far as there are squares between them, two after."""
-        found = self.rows.around(np.pad(box, ((0, 0), (1, 1)), "reflect"), 1, 2)
+        beside = "reflect" if self.mirrors[1] else "wrap" if self.closed[1] else "edge"
+        found = self.rows.around(np.pad(box, ((0, 0), (1, 1)), beside), 1, 2)
         return found[:-1] if self.rows.first + self.rows.count == self.rows.total else found
 
     def wave_weights(self):
@@ -114,9 +136,10 @@ class SlabEven(EvenWindow):
 
     def rim(self):
         """Mask of the nodes on the border of the full window."""
-        mask = np.zeros(self.shape, dtype=bool)
-        if not self.closed[1]:
-            mask[:, -1] = True
-        if not self.closed[0]:
-            mask[self.rows.numbers == self.extents[0] - 1] = True
+        mask, lines = np.zeros(self.shape, dtype=bool), (self.rows.numbers,
+                                                         np.arange(self.extents[1]))
+        for axis, (line, closed, mirror) in enumerate(zip(lines, self.closed, self.mirrors)):
+            if not closed:
+                ends = [self.extents[axis] - 1] if mirror else [0, self.extents[axis] - 1]
+                mask.swapaxes(axis, 0)[np.isin(line, ends)] = True
         return mask.reshape(-1)

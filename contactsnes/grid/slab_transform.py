@@ -206,11 +206,16 @@ class SlabCircle:
         self._grid, self.shape, self._count, self._kind = grid, shape, count, kind
         self.gain, self._last = math.prod(shape), (None, lambda: None)
 
-    def placed(self, rows):
+    def placed(self, *places):
         """Transforms of fields that are zero off the rows that processes have, a list of (first,
-        number) of each; the last ones, where these are the same and something holds them still."""
-        made = self._last[1]() if rows == self._last[0] else None
+        number) of each; the last ones, where these are the same and something holds them still.
+
+        Parameters
+        ----------
+        places : rows, and what else says where fields are not zero
+        """
+        made = self._last[1]() if places == self._last[0] else None
         if made is None:
-            made = self._kind(self._grid, self.shape, self._count, rows)
-            self._last = rows, weakref.ref(made)
+            made = self._kind(self._grid, self.shape, self._count, *places)
+            self._last = places, weakref.ref(made)
         return made

@@ -16,9 +16,9 @@ from .even import EvenGrid
 from .fftw import pyfftw
 from .rows import Rows, to_first
 from .slab import Slab
-from .slab_cosines import SlabEvenCircle
 from .slab_even import SlabEven
 from .slab_fields import SlabFields
+from .slab_sides import SlabEvenCircle
 from .slab_transform import SlabCircle, SlabTransform, share, shares
 
 STRIP = 2 ** 17

@@ -176,27 +176,28 @@ def reached(window, mask, reaches):
     part, wide = (tuple(
         _widened(*line, 3 * reach + more, *sizes)
         for line, reach, *sizes in zip(ends, reaches, window.extents, window.grid.shape,
-                                       window.mirrors))
+                                       window.mirrors, window.parts[0].units))
         for more in (0, 1))
     own, here = (window.parts[0].own(each)[1] for each in (part, wide))
     return part, wide, tuple(slice(one.start - other.start, one.stop - other.start)
                              for one, other in zip(own, here))
 
 
-def _widened(low, high, margin, count, total, even):
+def _widened(low, high, margin, count, total, even, unit):
     """From the first to the last place of a box's line, a margin wider, as far as it is known.
 
     Parameters
     ----------
     low, high, margin, count, total : int; ``count`` of the ``total`` of the cell are the line
     even : bool, whether it begins at its middle
+    unit : int, of which the first place is a multiple
     """
     if high < low:
         return slice(0, 0)
     first, after = low - margin, high + 1 + margin
     if count == total and (first < 0 or after > count):
         return slice(0, count)
-    return slice(0 if even else max(first, 0), min(after, count))
+    return slice(0 if even else max(first - first % unit, 0), min(after, count))
 
 
 def around(window, box, part, reach):

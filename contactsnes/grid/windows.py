@@ -27,6 +27,7 @@ class Window:
     picked = False  # whether nodes are some of those of a circle, by their numbers there
     of_nodes = None  # class of windows of some of its nodes, where it has one of its own
     mirrors = (False, False)  # whether a direction has a mirror, and nodes are from there on
+    units = (1, 1)  # of what numbers of nodes parts of it begin at, in each direction
 
     def __init__(self, grid, start, shape):
         self.grid = grid

@@ -93,9 +93,11 @@ class Interpreted:
         ----------
         grid, shape, count, parities : as of `grid.cosines.Cosines`
         """
+        if grid.shared:
+            return grid.even_circle(grid, shape, count, parities)
         if without_mirror(parities) is not None:
             return Sides(grid, shape, count, parities, Cosines)
-        return (grid.even_circle or Cosines)(grid, shape, count, parities)
+        return Cosines(grid, shape, count, parities)
 
     def law(self, law):
         """The law as it is."""
@@ -122,14 +124,16 @@ class Compiled:
     compiled, reason, missed = True, None, False
 
     def __init__(self, cache, agreed):
-        from . import cosines, fftw, points, sides, slab_even, slab_real, slabs, splines, transforms
+        from . import cosines, points, sides, slab_real, slab_sides, slabs, splines, transforms
+        from .fftw import remember
 
         self._cache, self._agreed, self.law_reason, self._plain = cache, agreed, None, None
         self.spline, self.sources, self.blurred = splines.spline, splines.sources, slabs.blurred
         self.crossings, self.alternation = points.crossings, points.alternation
-        fftw.remember(cache)
+        remember(cache)
         self._kinds, self._slab = (transforms.Real, cosines.Cosines), slab_real.SlabReal
-        self._slab_even, self._sides = slab_even.SlabEvenReal, sides.CompiledSides
+        self._slab_even = slab_sides.SlabEvenReal, slab_sides.sides
+        self._sides = sides.CompiledSides
         self._kept = lru_cache(maxsize=24)(self._make)
         self._held = WeakValueDictionary()
 
@@ -179,7 +183,7 @@ class Compiled:
         grid, shape, count, parities : as of that
         """
         if grid.shared:
-            return grid.even_circle(grid, shape, count, parities, self._slab_even)
+            return grid.even_circle(grid, shape, count, parities, *self._slab_even)
         axis = without_mirror(parities)
         if axis is not None:
             parts = self._charged(True, grid, shape, 2 * count, parts_of(parities, axis))

@@ -162,7 +162,7 @@ void smooth_mask(const Blur *b, const unsigned char *mask, int mirrors, long fir
 }
 
 /* The extent of a core whose stiff nodes, somewhere in all boxes, lie between two places: as far as a
-   blur reaches. */
+   blur reaches, and from a row of even number on where rows are on both sides of a plane's axis. */
 static void set_extent(const Zone *z, Block *b, const long *first, const long *last, const int *even)
 {
     for (int axis = 0; axis < 2; axis++) {
@@ -170,6 +170,7 @@ static void set_extent(const Zone *z, Block *b, const long *first, const long *l
         long low = first[axis] - margin, high = last[axis] + margin;
         if ((low < 0 || high >= n) && z->wraps[axis]) low = 0, high = n - 1;
         low = low < 0 || even[axis] ? 0 : low;
+        if (axis == 0 && even[1] && !even[0]) low -= low % 2;
         high = high < n ? high : n - 1;
         b->first[axis] = low;
         b->extent[axis] = high + 1 - low;

@@ -32,11 +32,12 @@ static int is_whole(const Line *l, long n)
 #include "both.h"
 
 /* The rows of all fields, of which some are used, transformed; or back. Of slabs they go to what is sent
-   while they are in the processor's cache, or come from there. */
-void folded_rows(const Transform *t, const Shares *s, long used, int back)
+   while they are in the processor's cache, or come from there. Of rows on both sides of the axis so many `columns`
+   are used. */
+void folded_rows(const Transform *t, const Shares *s, long used, long columns, int back)
 {
-    if (t->single) folded_rows_in_single(t, s, used, 0, back);
-    else folded_rows_in_double(t, s, used, 0, back);
+    if (t->single) folded_rows_in_single(t, s, used, columns, back);
+    else folded_rows_in_double(t, s, used, columns, back);
 }
 
 /* The columns of rows that are transformed: there, times symbols, and back. */

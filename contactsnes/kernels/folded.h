@@ -9,10 +9,11 @@ static REAL *OF(field_of)(const Transform *t, long field)
     return (REAL *)t->real + field * room_of(t);
 }
 
-/* a pair of rows: of slabs, those of this process lie elsewhere */
-static REAL *OF(pair_of)(const Transform *t, const Shares *s, long field, long pair)
+/* a pair of rows, or of its odd parts: of slabs, those of this process lie elsewhere */
+static REAL *OF(pair_of)(const Transform *t, const Shares *s, long field, long part, long pair)
 {
-    return s ? row_that_came(s, field, pair) : OF(field_of)(t, field) + 2 * pair * width_of(t);
+    if (s) return row_that_came(s, (field << t->both[1]) + part, pair);
+    return OF(field_of)(t, field) + 2 * (pair * width_of(t) + part * t->shape[1]);
 }
 
 /* to w, for k from 1 on, what stands at n - k, times a sign */
@@ -187,7 +188,8 @@ static void OF(join_row)(const Line *l, REAL *row, long n)
 
 /* Even and odd parts of some columns, in two blocks of pairs of them, from rows on both sides of the axis: first
    what stands on its one side, and on its other one. */
-CLONES static void OF(gather_both)(const Transform *t, long field, long first, long columns, long used)
+CLONES static void OF(gather_both)(const Transform *t, const Shares *s, long field, long first, long columns,
+                               long used)
 {
     const long r = t->shape[0], apart = 2 * (r + r % 2), pairs = (columns + 1) / 2, middle = used / 2;
     REAL *e = (REAL *)t->block + 2 * field * PAIRS * apart, *o = e + PAIRS * apart;
@@ -196,7 +198,7 @@ CLONES static void OF(gather_both)(const Transform *t, long field, long first, l
         memset(o + q * apart, 0, apart * sizeof *o);
     }
     for (long j = 0; j < used; j++) {
-        const REAL *restrict z = OF(pair_of)(t, 0, field, j / 2) + 2 * first + j % 2;
+        const REAL *restrict z = OF(pair_of)(t, s, field, 0, j / 2) + 2 * first + j % 2;
         REAL *restrict to = j < middle ? o + 2 * (middle - j) : e + 2 * (j - middle);
         for (long q = 0; q < pairs; q++) {
             to[q * apart] = z[4 * q];
@@ -211,13 +213,14 @@ CLONES static void OF(gather_both)(const Transform *t, long field, long first, l
     }
 }
 
-CLONES static void OF(scatter_both)(const Transform *t, long field, long first, long columns, long used)
+CLONES static void OF(scatter_both)(const Transform *t, const Shares *s, long field, long first, long columns,
+                                long used)
 {
     const long r = t->shape[0], apart = 2 * (r + r % 2), pairs = (columns + 1) / 2, middle = used / 2;
     REAL *e = (REAL *)t->block + 2 * field * PAIRS * apart, *o = e + PAIRS * apart;
     for (long q = 0; q < pairs; q++) OF(join)(e + q * apart, o + q * apart, 2 * r);
     for (long j = 0; j < used; j++) {
-        REAL *restrict z = OF(pair_of)(t, 0, field, j / 2) + 2 * first + j % 2;
+        REAL *restrict z = OF(pair_of)(t, s, field, 0, j / 2) + 2 * first + j % 2;
         const REAL *restrict from = j < middle ? o + 2 * (middle - j) : e + 2 * (j - middle);
         for (long q = 0; q < pairs; q++) {
             z[4 * q] = from[q * apart];
@@ -234,9 +237,8 @@ CLONES static void OF(gather)(const Transform *t, const Shares *s, long field, l
     const long r = t->shape[0], apart = 2 * (r + r % 2), pairs = (columns + 1) / 2;
     const long filled = used + used % 2;
     REAL *restrict to = (REAL *)t->block + ((field << t->both[1]) + part) * PAIRS * apart;
-    first += part * t->shape[1];
     for (long p = 0; p < filled / 2; p++) {
-        const REAL *restrict z = OF(pair_of)(t, s, field, p) + 2 * first;
+        const REAL *restrict z = OF(pair_of)(t, s, field, part, p) + 2 * first;
         for (long q = 0; q < pairs; q++) {
             const int two = 2 * q + 1 < columns;
             REAL *restrict o = to + q * apart + 4 * p;
@@ -254,9 +256,8 @@ CLONES static void OF(scatter)(const Transform *t, const Shares *s, long field, 
 {
     const long r = t->shape[0], apart = 2 * (r + r % 2), pairs = (columns + 1) / 2;
     const REAL *restrict from = (REAL *)t->block + ((field << t->both[1]) + part) * PAIRS * apart;
-    first += part * t->shape[1];
     for (long p = 0; p < (used + 1) / 2; p++) {
-        REAL *restrict z = OF(pair_of)(t, s, field, p) + 2 * first;
+        REAL *restrict z = OF(pair_of)(t, s, field, part, p) + 2 * first;
         for (long q = 0; q < pairs; q++) {
             const REAL *restrict o = from + q * apart + 4 * p;
             z[4 * q] = o[0];
@@ -336,14 +337,16 @@ static void OF(folded_rows)(const Transform *t, const Shares *s, long used, long
         for (long p = 0; p < pairs; p += PAIRS) {
             const long some = pairs - p < PAIRS ? pairs - p : PAIRS;
             REAL *x = OF(field_of)(t, i) + 2 * p * width;
-            if (s && back) share_rows(s, i, p, some, x, back);
+            for (long part = 0; part < parts && s && back; part++)
+                share_rows(s, i * parts + part, p, some, x + 2 * part * c, back);
             for (long k = 0; k < some && parts > 1 && !back; k++)
                 OF(part_row)(&t->line[1], x + 2 * k * width, columns);
             for (long part = 0; part < parts; part++)
                 OF(lines)(&t->line[1], x + 2 * part * c, width, some, back, t->odd[i * parts_of(t) + part][1]);
             for (long k = 0; k < some && parts > 1 && back; k++)
                 OF(join_row)(&t->line[1], x + 2 * k * width, columns);
-            if (s && !back) share_rows(s, i, p, some, x, back);
+            for (long part = 0; part < parts && s && !back; part++)
+                share_rows(s, i * parts + part, p, some, x + 2 * part * c, back);
         }
 }
 
@@ -355,7 +358,7 @@ static void OF(folded_columns)(const Transform *t, const Shares *s, const Respon
     for (long first = 0; first < c; first += COLUMNS) {
         const long columns = c - first < COLUMNS ? c - first : COLUMNS, pairs = (columns + 1) / 2;
         for (long i = 0; i < t->count; i++)
-            if (t->both[0]) OF(gather_both)(t, i, first, columns, used);
+            if (t->both[0]) OF(gather_both)(t, s, i, first, columns, used);
             else
                 for (long part = 0; part < parts; part++) OF(gather)(t, s, i, part, first, columns, used);
         for (long i = 0; i < t->count * parts; i++)
@@ -364,7 +367,7 @@ static void OF(folded_columns)(const Transform *t, const Shares *s, const Respon
         for (long i = 0; i < t->count * parts; i++)
             OF(lines)(&t->line[0], (REAL *)t->block + i * wide, apart, pairs, 1, t->odd[i][0]);
         for (long i = 0; i < t->count; i++)
-            if (t->both[0]) OF(scatter_both)(t, i, first, columns, used);
+            if (t->both[0]) OF(scatter_both)(t, s, i, first, columns, used);
             else
                 for (long part = 0; part < parts; part++) OF(scatter)(t, s, i, part, first, columns, used);
     }

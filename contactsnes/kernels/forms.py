@@ -12,7 +12,7 @@ from .asked import raise_error, sums
 from .laws import kernel_of
 from .responses import response
 from .sides import CompiledSides
-from .slab_even import SlabEvenReal
+from .slab_even import OfFolded
 from .slab_real import SlabReal
 from .structures import TOO_MANY, address
 from .transforms import Compiled
@@ -33,7 +33,7 @@ def twin(form, half, scale=None):
     """
     law = kernel_of(half.contact.law)
     transform = getattr(half.convolution, "transform", None)
-    if law is None or not isinstance(transform, (Compiled, CompiledSides, SlabReal, SlabEvenReal)):
+    if law is None or not isinstance(transform, (Compiled, CompiledSides, SlabReal, OfFolded)):
         return None
     return CompiledForm(form, half, law, scale)
 

@@ -89,6 +89,8 @@ typedef struct { /* rows here, of which processes get columns; those of this pro
     const long *first;            /* of each process its first column, and how many there are */
     char *here, *packed, *came;   /* rows; blocks for others; rows of others, as far as they have come */
     long fields[3];               /* bytes from a field to the next one in each of these */
+    long sides, wide;             /* parts of a field, even and odd, that stand in a row one after the other, each of
+                                     which counts as a field where it is sent, or has come; numbers of a row here */
 } Shares;
 
 typedef struct { /* of `count` half spectra some columns, rows x columns waves each (slabs.c) */
@@ -301,7 +303,7 @@ void packed_multiply(const Transform *t, const Response *response, const void *s
                      int transposed);
 void folded_multiply(const Transform *t, const Response *response, const void *symbol, const long *used,
                      int transposed);
-void folded_rows(const Transform *t, const Shares *s, long used, int back);
+void folded_rows(const Transform *t, const Shares *s, long used, long columns, int back);
 void folded_columns(const Transform *t, const Shares *s, const Response *response, const void *symbol,
                     long used, int transposed);
 void share_rows(const Shares *s, long field, long row, long count, void *x, int back);

@@ -3,24 +3,46 @@
 import ctypes
 import math
 from functools import cached_property
-from itertools import product
 
 import numpy as np
 
 from ..grid.cosines import closes, cosine_waves, gain_of
 from ..grid.counter import transform_cost
 from ..grid.fftw import pyfftw
+from ..grid.mirrors import without_mirror
+from ..grid.sides import parts_of
 from ..grid.slab_cosines import SlabCosines
 from ..grid.slab_transform import Exchange, share
 from . import structures
 from .cosines import Folded
 from .library import shared
-from .lines import COLUMNS, Line, order_of, paired_line
+from .lines import COLUMNS, line, order_of, paired_line
 from .slabs import OfLibrary
 from .structures import address
 
 
-class SlabEvenReal(SlabCosines):
+class OfFolded:
+    """Base of transforms whose products are those of ``folded``, and in single precision of
+    ``single``."""
+
+    def inverted(self, *given):
+        """As `Filtering.inverted`, for `filter`."""
+        return self.folded.inverted(*given)
+
+    def enter(self, *given):
+        """As `Filtering.enter`, before `filter`."""
+        self.folded.enter(*given)
+
+    def filter(self, symbol):
+        """What was entered times symbols as of ``inverted``."""
+        self.folded.filter(symbol)
+
+    def leave(self, *given):
+        """As `Filtering.leave`, after `filter`."""
+        self.folded.leave(*given)
+
+
+class SlabEvenReal(OfFolded, SlabCosines):
     """`grid.slab_cosines.SlabCosines` made from real transforms by the library, whose products are
     those of ``folded``. Waves are transposed, in the order of `cosines.Cosines`.
 
@@ -50,8 +72,11 @@ class SlabEvenReal(SlabCosines):
         self.library, self._here = shared(), self.spectrum
         count, waves, columns = self._here.shape
         self.spectrum = self._packed[:self._here.size].reshape(count, columns, waves)
-        self._lines = [Line(points, closed)
-                       for points, closed in zip(self.shape, closes(self._grid, self.shape))]
+
+    @property
+    def came(self):
+        """As `SlabCosines.came`."""
+        return self._here
 
     def _aside(self, rows):
         """As `SlabCosines._aside`."""
@@ -59,9 +84,10 @@ class SlabEvenReal(SlabCosines):
 
     def _along(self, fields, axis, back):
         """Transform the rows of fields, which are lines along an axis of the plane, in place."""
-        line, points = ctypes.addressof(self._lines[axis].structure), self.shape[axis]
+        points, closed = self.shape[axis], closes(self._grid, self.shape)[axis]
+        own = ctypes.addressof(line(points, closed, False).structure)
         for field, odd in zip(fields, self._odd[:, axis]):
-            self.library.along_rows(line, address(field), len(field), back, odd, points, False)
+            self.library.along_rows(own, address(field), len(field), back, odd, points, False)
 
     def _along_rows(self, back):
         """Transform the rows of ``real``, in place."""
@@ -91,22 +117,6 @@ class SlabEvenReal(SlabCosines):
     def ordered(self, symbol):
         """A symbol on this process's waves of `SlabCosines` in the order of these, of the cell."""
         return np.ascontiguousarray(symbol.T)
-
-    def inverted(self, *given):
-        """As `Filtering.inverted`, for `filter`."""
-        return self.folded.inverted(*given)
-
-    def enter(self, *given):
-        """As `Filtering.enter`, before `filter`."""
-        self.folded.enter(*given)
-
-    def filter(self, symbol):
-        """What was entered times symbols as of ``inverted``."""
-        self.folded.filter(symbol)
-
-    def leave(self, *given):
-        """As `Filtering.leave`, after `filter`."""
-        self.folded.leave(*given)
 
 
 def _used(rows):
@@ -142,10 +152,12 @@ class Shares:
     rows : (first, number) of each process's rows
     fields : array (count, rows here, numbers of a row)
     memory : array of numbers of their type, for what is sent, and has come (`_aside`)
+    sides : int, parts of a field that stand in a row one after the other, and go apart
     """
 
-    def __init__(self, comm, rows, fields, memory):
-        (count, mine, width), own = fields.shape, comm.rank
+    def __init__(self, comm, rows, fields, memory, sides):
+        (count, mine, wide), own = fields.shape, comm.rank
+        count, width = sides * count, wide // sides
         columns = [share(width, rank, comm.size) for rank in range(comm.size)]
         self._kept = fields, memory
         self._first = (ctypes.c_long * (comm.size + 1))(*(part.start for part in columns), width)
@@ -155,7 +167,8 @@ class Shares:
         packed, came, _ = (part.reshape(count, -1) for part in np.split(memory, ends))
         self.structure = structures.Shares(
             parts=comm.size, own=own, rows=mine, place=rows[own][0], size=fields.itemsize,
-            first=self._first, here=address(fields), packed=address(packed), came=address(came))
+            sides=sides, wide=wide, first=self._first, here=address(fields),
+            packed=address(packed), came=address(came))
         self.structure.fields[:] = [array[0].nbytes for array in (fields, packed, came)]
         real, kind = 1 if fields.dtype.kind == "f" else 2, fields.dtype.char.lower()
         # of those after this process without what stays here
@@ -176,8 +189,10 @@ class SlabFolded(OfLibrary):
 
     Parameters
     ----------
-    grid, shape, count, rows, parities : as of `SlabCosines`; the first row is of even number
+    grid, shape, count, rows : as of `SlabCosines`; the first row is of even number
+    parities : as of that, or of `grid.sides.Sides`
     single : bool, whether they are in single precision
+    columns : int, of fields that have one mirror, rows of which are on both sides of the axis
 
     Attributes
     ----------
@@ -187,45 +202,53 @@ class SlabFolded(OfLibrary):
 
     fitting, spectral = Folded.fitting, None
 
-    def __init__(self, grid, shape, count, rows, parities, single):
+    def __init__(self, grid, shape, count, rows, parities, single, columns=0):
         self.library, self._grid, self.shape = shared(), grid, tuple(shape)
-        closed = closes(grid, shape)
-        self.gain = gain_of(shape, closed)
-        self._cost = 2.0 * count * transform_cost(math.prod(shape), grid.counter.size), single
+        closed, axis = closes(grid, shape), without_mirror(parities)
+        fields = parities or ((1, 1),) * count
+        parts = fields if axis is None else parts_of(fields, axis)
+        self.gain, self._columns = gain_of(shape, closed), columns
+        self._cost = 2.0 * len(parts) * transform_cost(math.prod(shape), grid.counter.size), single
         self._lines = [paired_line(points, one, single) for points, one in zip(shape, closed)]
-        self._lay_out(grid.comm, count, rows, np.dtype(np.complex64 if single else complex))
-        odd = np.zeros((count, 2), dtype=bool) if parities is None else np.array(parities) < 0
-        for own, (axis, line) in product((self.structure, self.spectral), enumerate(self._lines)):
-            own.line[axis] = line.structure
-            for field, signs in enumerate(odd):
-                own.odd[field][axis] = signs[axis]
+        self._lay_out(grid.comm, count, rows, np.dtype(np.complex64 if single else complex), axis)
+        for own, odd in ((self.structure, fields if axis == 0 else parts), (self.spectral, parts)):
+            for place, made in enumerate(self._lines):
+                own.line[place] = made.structure
+                for field, signs in enumerate(odd):
+                    own.odd[field][place] = signs[place] < 0
         self._serve()
 
-    def _lay_out(self, comm, count, rows, kind):
+    def _lay_out(self, comm, count, rows, kind, axis):
         """Take memory, that of `SlabEvenReal`, and find what goes where.
 
         Parameters
         ----------
         comm, count, rows : communicator, number of fields, (first, number) of each process's rows
         kind : type of complex numbers
+        axis : direction in which fields are on both sides of the axis, or None
         """
         if any(first % 2 for first, number in rows if number):
             raise ValueError("slabs of pairs begin with a row of even number")
         pairs, mine = _in_pairs(rows), rows[comm.rank][1]
         columns, width = share(self.shape[1], comm.rank, comm.size), self.shape[1]
         points, here = self.shape[0] + self.shape[0] % 2, columns.stop - columns.start
-        number, aside = pairs[comm.rank][1], sum(_aside(comm, pairs, width))
-        fields, memory = (self._grid.room((count, place), size, kind)
-                          for place, size in enumerate(((count, number, width), (count * aside,))))
-        self.block = pyfftw.zeros_aligned((count, COLUMNS // 2, points), dtype=kind)
+        # of rows on both sides of the axis, processes get what is even and what is odd
+        sides, parts = 1 + (axis == 1), 1 + (axis is not None)
+        number, aside = pairs[comm.rank][1], sides * count * sum(_aside(comm, pairs, width))
+        fields, memory = (self._grid.room((sides * count, place), size, kind) for place, size
+                          in enumerate(((count, number, sides * width), (aside,))))
+        self.block = pyfftw.zeros_aligned((parts * count, COLUMNS // 2, points), dtype=kind)
         self.structure, self.spectral = (structures.Transform(
             count=count, even=1, single=self._cost[1], packed=1,
             waves=self.shape[0] * (here + here % 2), real=address(fields),
             block=address(self.block)) for _ in range(2))
         self.structure.shape[:] = mine, width
         self.spectral.shape[:] = self.shape[0], here
+        self.structure.both[1] = sides - 1
+        if axis is not None:
+            self.spectral.both[axis] = 1
         self._used = _used(rows)
-        self._shares = Shares(comm, pairs, fields, memory)
+        self._shares = Shares(comm, pairs, fields, memory, sides)
 
     def multiply(self, response, symbol, transposed):
         """What stands in the rows times the symbols of a response, or of `inverted`, in place.
@@ -237,10 +260,10 @@ class SlabFolded(OfLibrary):
         """
         rows, columns, shares = map(ctypes.addressof, (self.structure, self.spectral,
                                                        self._shares.structure))
-        number = self.structure.shape[0]
+        used = self.structure.shape[0], self._columns
         self._grid.counter.add(*self._cost)
-        self.library.folded_rows(rows, shares, number, 0)
+        self.library.folded_rows(rows, shares, *used, 0)
         self._shares.exchange.send()
         self.library.folded_columns(columns, shares, response, symbol, self._used, transposed)
         self._shares.exchange.take()
-        self.library.folded_rows(rows, shares, number, 1)
+        self.library.folded_rows(rows, shares, *used, 1)

@@ -16,10 +16,10 @@ void along_columns(const Columns *c, int there, int back, const Response *r, int
     else along_columns_in_double(c, there, back, r, transposed);
 }
 
-/* Some rows of a field to the blocks of others that get their columns; or back. */
+/* Some rows of a field, or of a part of one, to the blocks of others that get their columns; or back. */
 void share_rows(const Shares *s, long field, long row, long count, void *x, int back)
 {
-    const long wide = s->first[s->parts] * s->size;
+    const long wide = s->wide * s->size;
     char *block = s->packed + field * s->fields[1];
     for (long part = 0; part < s->parts; part++) {
         const long first = s->first[part] * s->size, n = s->first[part + 1] * s->size - first;
@@ -36,7 +36,7 @@ void share_rows(const Shares *s, long field, long row, long count, void *x, int 
 void *row_that_came(const Shares *s, long field, long row)
 {
     const long mine = row - s->place, first = s->first[s->own], wide = s->first[s->own + 1] - first;
-    if (mine >= 0 && mine < s->rows)
-        return s->here + field * s->fields[0] + (mine * s->first[s->parts] + first) * s->size;
+    const long before = mine * s->wide + field % s->sides * s->first[s->parts] + first;
+    if (mine >= 0 && mine < s->rows) return s->here + field / s->sides * s->fields[0] + before * s->size;
     return s->came + field * s->fields[2] + (mine < 0 ? row : row - s->rows) * wide * s->size;
 }

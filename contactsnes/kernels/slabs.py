@@ -95,8 +95,8 @@ def blurred(window, mask, width):
         # rows beyond those that are here stand in the box
         blur = structures.Blur(shape=wide.shape, reach=tuple(reaches), sums=address(room),
                                wraps=(0, wide.shape[1] == window.grid.shape[1]))
-        shared().smooth_mask(ctypes.addressof(blur), wide.ctypes.data, window.even, 3 * reaches[0],
-                             len(out), address(sums), address(out))
+        shared().smooth_mask(ctypes.addressof(blur), wide.ctypes.data, window.mirrors[1],
+                             3 * reaches[0], len(out), address(sums), address(out))
     return part, out[inner]
 
 

@@ -90,7 +90,8 @@ class Shares(ctypes.Structure):
 
     _fields_ = [("parts", c_long), ("own", c_long), ("rows", c_long), ("place", c_long),
                 ("size", c_long), ("first", POINTER(c_long)), ("here", c_void_p),
-                ("packed", c_void_p), ("came", c_void_p), ("fields", c_long * 3)]
+                ("packed", c_void_p), ("came", c_void_p), ("fields", c_long * 3),
+                ("sides", c_long), ("wide", c_long)]
 
 
 class Columns(ctypes.Structure):

@@ -35,10 +35,13 @@ fields = np.array([pressed, *(0.1 * pressed * np.sin(2.0 * np.pi * along / perio
 lump = np.random.default_rng(4).normal(size=(3, *shape))
 
 
-def made(contact, start, extents, controls):
+def made(contact, start, extents, controls, along):
     window = contact.grid.box(start, extents)
+    slipped = fields.copy()
+    if along:  # slip that is even where the mirror across the other direction makes it odd
+        slipped[along] += 0.2 * pressed
     values, mode = (window.take(contact.grid.part_of(field[:len(controls)]))
-                    for field in (fields, lump))
+                    for field in (slipped, lump))
     means = np.arange(1.0, len(controls) + 1.0)
     state = State(window, values, means)
     axes = symmetries(contact, state)
@@ -56,15 +59,17 @@ def made(contact, start, extents, controls):
     return axes, modes.values, modes.unstable, states
 
 
-for (start, extents), controls in (
-        (((0, 0), shape), ["force"]), (((8, 4), (15, 15)), ["displacement"]),
-        (((10, 0), (11, 22)), ["displacement", "force", "displacement"])):
+THREE = ["displacement", "force", "displacement"]
+for (start, extents), controls, along in (
+        (((0, 0), shape), ["force"], 0), (((8, 4), (15, 15)), ["displacement"], 0),
+        (((10, 0), (11, 22)), THREE, 0), (((10, 0), (11, 22)), THREE, 1),
+        (((0, 4), (30, 15)), THREE, 2)):
     window, everything = (contact.grid.box(start, extents) for contact in (shared, alone))
-    axes, values, unstable, ours = made(shared, start, extents, controls)
+    axes, values, unstable, ours = made(shared, start, extents, controls, along)
     # (those of one process are found by one, for all)
     its, wanted, known, theirs = MPI.COMM_WORLD.bcast(
-        made(alone, start, extents, controls) if MPI.COMM_WORLD.rank == 0 else None)
-    assert axes == its and len(axes) == 2
+        made(alone, start, extents, controls, along) if MPI.COMM_WORLD.rank == 0 else None)
+    assert axes == its and len(axes) == (1 if along else 2)
     assert np.isclose(values[0], wanted[0], rtol=0.0, atol=1e-5)
     assert unstable == known
     for number, ((here, means), (there, its_means)) in enumerate(zip(ours, theirs)):
@@ -72,7 +77,7 @@ for (start, extents), controls in (
         everything.put(there, cell)
         close = (1e-12, 1e-11, 1e-6, 3e-3)[number] * np.max(np.abs(cell))
         assert np.max(np.abs(here - window.take(shared.grid.part_of(cell))),
-                      initial=0.0) <= close, (extents, controls, number)
+                      initial=0.0) <= close, (extents, controls, along, number)
         assert np.allclose(means, its_means, rtol=3e-3, atol=close)
 print("alike")
 """

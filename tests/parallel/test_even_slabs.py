@@ -1,5 +1,6 @@
-"""Even and odd fields of several processes against those of one: a quarter of the nodes, transforms
-of cosines and sines, forms, and branches, which take the same iterations and transforms."""
+"""Even and odd fields of several processes against those of one: a quarter of the nodes, or a half,
+transforms of cosines and sines, forms, and branches, which take the same iterations and
+transforms."""
 
 import pytest
 from ranks import FEW, found, say, together
@@ -14,7 +15,6 @@ from mpi4py import MPI
 from contactsnes.grid import contours
 from contactsnes.grid.alternation import REACH, across_rows, alternation
 from contactsnes.grid.cell import Grid
-from contactsnes.grid.cosines import Cosines, EvenConvolution
 from contactsnes.grid.even import halved
 from contactsnes.grid.mirrors import centred, lone
 from contactsnes.grid.nearest import nearest
@@ -23,6 +23,7 @@ from contactsnes.grid.outlines import outline
 from contactsnes.grid.operator import Operator
 from contactsnes.grid.parity import asymmetry, parity
 from contactsnes.grid.precision import in_single
+from contactsnes.grid.sides import even_convolution
 from contactsnes.grid.slab_transform import shares
 from contactsnes.grid.slabs import Slabs
 from contactsnes.grid.transfer import smooth
@@ -91,9 +92,11 @@ for extents in (shape, (23, 32), (46, 15), (21, 11), (5, 7), (3, 5)):
     again, back = restored(shared, numbers_of(here), shared.to_first(mine))
     assert again == here and np.array_equal(back, mine)
 
-    for parities in (None, ((1, 1), (-1, 1)), ((-1, -1), (1, -1))):
+    for parities in (None, ((1, 1), (-1, 1)), ((-1, -1), (1, -1)), ((0, 1), (0, 1)),
+                     ((1, 0), (-1, 0))):
         quarter, all_quarter = halved(here, parities), halved(whole, parities)
         rows = quarter.rows
+        assert quarter.mirrors == all_quarter.mirrors and quarter.extents == all_quarter.extents
 
         def own(field):
             field = field.reshape(-1, *all_quarter.shape)
@@ -118,20 +121,26 @@ for extents in (shape, (23, 32), (46, 15), (21, 11), (5, 7), (3, 5)):
         moved = even.copy()
         moved[:, 1] += 0.25
         assert np.isclose(asymmetry(here, part(moved), parities), asymmetry(whole, moved, parities))
-        blurred = smooth(all_quarter, folded[0] > 0.8, 0.3)
+        mask = folded[0] > 0.8
+        if not (quarter.mirrors[0] or quarter.closed[0]):
+            # what stands at the border of a box goes on in another way
+            all_quarter.box(mask)[np.arange(extents[0]) != extents[0] // 2] = False
+            mask &= extents[0] > 20
+        blurred = smooth(all_quarter, mask, 0.3)
         for kernels in (chosen(True), chosen(False)):
-            where, found = kernels.blurred(quarter, own(folded)[0] > 0.8, 0.3)
+            where, found = kernels.blurred(quarter, own(mask[None])[0], 0.3)
             around = np.zeros(quarter.shape)
             around[quarter.own(where)[1]] = found
             assert np.allclose(around.reshape(-1), own(blurred[None])[0], rtol=0.0, atol=1e-12)
         assert np.isclose(asymmetry(here, mine, parities), asymmetry(whole, values, parities))
-        if min(quarter.extents) > REACH + 1:
+        if min(quarter.extents) > REACH + 1 and quarter.mirrors[0]:
             image = parities[0][0] if parities else 1
             assert np.isclose(
                 across_rows(quarter, quarter.box(own(folded)[:1]), image, chosen(True).alternation),
                 alternation(all_quarter.box(folded[:1]), 1, image, quarter.closed[0]))
         # a part of the whole, from the quarter, which all find as many rows of
-        count, middles = max(quarter.extents[0] // 2, 1), [n // 2 for n in extents]
+        count = max(quarter.extents[0] // 2, 1)
+        middles = [n // 2 * mirror for n, mirror in zip(extents, quarter.mirrors)]
         piece = slice(0, count), slice(0, quarter.extents[1] // 2 + 1)
         shifted = [slice(n + line.start, n + line.stop)
                    for n, line in zip(middles, quarter.divided(piece))]
@@ -147,13 +156,13 @@ for extents in (shape, (23, 32), (46, 15), (21, 11), (5, 7), (3, 5)):
             assert np.array_equal(
                 quarter.line(quarter.box(own(folded)[0]), axis, (0, 0)),
                 all_quarter.line(all_quarter.box(folded[0]), axis, (0, 0)))
-        fits = parities == ((1, 1), (-1, 1))
+        fits = parities in (((1, 1), (-1, 1)), ((0, 1), (0, 1)), ((1, 0), (-1, 0)))
         for make, kernels, single in itertools.product(
                 (symbols, diagonal) if fits else (diagonal,), (chosen(True), chosen(False)),
                 (False, True)):
             one, other = operators[make]
-            product = EvenConvolution(quarter, one, 2, kernels.even)
-            expected = EvenConvolution(all_quarter, other, 2, Cosines)
+            product = even_convolution(quarter, one, 2, kernels.even)
+            expected = even_convolution(all_quarter, other, 2, chosen(False).even)
             case, close = (extents, parities, kernels, single), 1e-6 if single else 1e-13
 
             # nodes of some columns, with weights, times a symbol made of a block
@@ -207,6 +216,7 @@ import numpy as np
 from mpi4py import MPI
 from contactsnes.contact.even_form import EvenForm
 from contactsnes.contact.problem import Contact
+from contactsnes.grid.parity import one_mirror
 from contactsnes.grid.slabs import Slabs
 from contactsnes.kernels.choice import chosen
 from contactsnes.scene.settings import Scene
@@ -221,9 +231,9 @@ shared = Contact(scene, kernels=chosen(True), grid=Slabs(shape, scene.periods, c
 alone = Contact(scene, kernels=chosen(False))
 
 
-def results(contact, start, extents, controls, single):
+def results(contact, start, extents, controls, along, single):
     window = contact.grid.box(start, extents)
-    form = EvenForm(contact, window, controls)
+    form = EvenForm(contact, window, controls, along and one_mirror(contact, 3, (along,)))
     form.set_load([1.5, 0.3, -0.2][:len(controls)])
     numbers = np.random.default_rng(5)
     fields = numbers.normal(size=(2, form.components, *shape))
@@ -240,11 +250,14 @@ def results(contact, start, extents, controls, single):
     return form, [(form.displacement(vector), form.scalars(vector)) for vector in found]
 
 
-for (start, extents), controls, single in itertools.product(
+for (start, extents), (controls, along), single in itertools.product(
         (((0, 0), shape), ((20, 0), (23, 46)), ((22, 14), (19, 19))),
-        (["displacement"], ["force"], ["displacement", "force", "displacement"]), (False, True)):
-    form, here = results(shared, start, extents, controls, single)
-    other, whole = results(alone, start, extents, controls, single)
+        ((["displacement"], None), (["force"], None),
+         *((["displacement", "force", "displacement"], along) for along in (None, 1, 2))),
+        (False, True)):
+    form, here = results(shared, start, extents, controls, along, single)
+    other, whole = results(alone, start, extents, controls, along, single)
+    assert sum(form.half.window.mirrors) == (1 if along else 2)
     assert form.kernel is not None and other.kernel is None
     for which, ((field, scalars), (wanted, tail)) in enumerate(zip(here, whole)):
         cell = np.zeros((len(wanted), *shape))
@@ -252,7 +265,7 @@ for (start, extents), controls, single in itertools.product(
         close = 3e-6 if single and which else 1e-12
         close *= 30.0 if which == 3 else 1.0  # where the law pulls, 1 + C D comes near 0
         assert np.max(np.abs(field - form.window.take(shared.grid.part_of(cell))), initial=0.0) \\
-            < close * np.max(np.abs(wanted)), (extents, controls, single, which)
+            < close * np.max(np.abs(wanted)), (extents, controls, along, single, which)
         assert np.allclose(scalars, tail, rtol=close, atol=close)
 print("alike")
 """
@@ -282,6 +295,12 @@ CASES = {
              dict(initial_step=0.5, largest_step=0.5)),
     "sheared": (SPHERE, Load("normal_displacement=0.5", "tangential_force_y=0.3"),
                 dict(initial_step=0.1, largest_step=0.2)),
+    # one mirror, that across the load: on a part of the cell, and on all of it
+    "coupled x": (dict(SPHERE, points=96, period=30.0, normal_maugis=2.0, poisson=0.3),
+                  Load("normal_displacement=0.5", "tangential_displacement_x=1"), LARGE),
+    "coupled y": (dict(SPHERE, poisson=0.3, height=5.0),
+                  Load("normal_displacement=0.5",
+                       "tangential_force_y=0.3; normal_displacement=0.7"), LARGE),
     "sinusoid": (dict(SPHERE, geometry="sinusoid"),
                  Load("normal_displacement=-1", "normal_displacement=0.5"), LARGE),
     "pull-off": (dict(SPHERE, normal_maugis=3.0),
@@ -296,7 +315,7 @@ CASES = {
 if PETSc.COMM_WORLD.size > 1:  # two do a half, three the other one
     half = ("force", "slid", "sinusoid", "small", "stability")
     CASES = {name: case for name, case in CASES.items()
-             if (name in half) == (PETSc.COMM_WORLD.size == 2)}
+             if "coupled" in name or (name in half) == (PETSc.COMM_WORLD.size == 2)}
 found = {}
 for name, (scene, load, steps) in CASES.items():
     # coarse grids in slabs, too, or, as they are so small, whole on every process
@@ -305,9 +324,11 @@ for name, (scene, load, steps) in CASES.items():
     names = list(observables.table(branch.scene))
     found[name] = []
     for point in islice(branch, 18):  # as far as beyond each fold
+        half = point.state.half
+        if half is None and "coupled" in name:  # states with one mirror are known at all nodes
+            half = branch.corrector.form.half.window
         found[name].append({**branch.observe(point, names),
-                            "half": getattr(point.state.half, "total", 0)
-                            / branch.contact.grid.size})
+                            "half": getattr(half, "total", 0) / branch.contact.grid.size})
 if PETSc.COMM_WORLD.rank == 0:
     with open("found.json", "w") as file:
         json.dump(found, file, default=lambda value: value if isinstance(value, str)
@@ -338,9 +359,10 @@ from contactsnes.kernels import krylov as compiled
 from contactsnes.solvers import krylov, operators
 
 NAMES = ["nonlinear_iterations", "linear_iterations", "normal_force", "tangential_force_x"]
+SHEARED = Load("normal_displacement=0.3", "tangential_displacement_x=0.2")
 CASES = {"normal": (Load("normal_displacement=0", "normal_displacement=0.3"), 0.5),
          "force": (Load("normal_force=0", "normal_force=0.3"), 0.2),
-         "sheared": (Load("normal_displacement=0.3", "tangential_displacement_x=0.2"), 0.5)}
+         "sheared": (SHEARED, 0.5), "one mirror": (SHEARED, 0.3)}
 krylov.LARGE, made = 1, []
 iterate, mult = compiled.Iterations.__call__, operators.Jacobian.mult
 compiled.Iterations.__call__ = lambda *given: made.append("library") or iterate(*given)
@@ -394,13 +416,15 @@ def test_even_branches_take_the_steps_and_costs_of_one_process(size, alone, tmp_
             # a spot less than a square of the grid is as wide as its depth's last digits say
             dot = {"perimeter"} if 0.0 < one["contact_area"] < (9.0 / 48) ** 2 else set()
             # halves are on trial on all nodes, whose boxes processes transform in the whole cell
-            trial = {"transforms"} if case == "small" and other is points[0] else set()
+            trial = ({"transforms"} if case in ("small", "coupled x") and other is points[0]
+                     else set())
             assert not {name: (one[name], other[name]) for name in one
                         if name not in ROUNDED | dot | trial and (exact or name not in SAME)
                         and differs(name, one[name], other[name])}, case
             assert not exact or all(one[name] == pytest.approx(other[name], rel=1e-12)
                                     for name in SAME if name not in trial), case
-            assert 0.0 < other["half"] <= 0.3, case
+            one_mirror = "coupled" in case and other["leg"] > 0
+            assert 0.0 < other["half"] <= (0.55 if one_mirror else 0.3), case
         cost, its = (sum(point["transforms"] for point in found) for found in (points, alone[case]))
         assert exact or cost < 1.3 * its
     assert "jump" in events(alone["pull-off"]) and "fold" in events(alone["arc length"])
