@@ -28,6 +28,10 @@ that is another one: what solves leave of a balance that hardly holds a body may
 times as much as a fold's own load is known to."""
 MISSED, SHARE = 0.1, 0.5
 """Ranges of the law, and part of the bracket, that a solve in it may end from its prediction."""
+STEEPER = 100.0
+"""How much steeper than at the ends that a bracket began with a slope may become: next to a place
+where branches meet, as that from which uneven states go on as even ones, it grows without end, and
+tells of no fold."""
 NEARLY = 0.25
 """Least slope of a cubic within a step, over its mean, with which it may turn where a longer
 polynomial would."""
@@ -92,7 +96,7 @@ class LimitPoint:
     def locate(self):
         """The fold, with its tangents; NotConverged where its load does not become known to
         FOLD_TOLERANCE, or is none that the load has its limit at between the two points."""
-        first = (self.left, self.right)
+        first, steepest = (self.left, self.right), self._steepest()
         proposals = (self._smooth, self._corner, self._middle)
         mode = 0
         failures = 0
@@ -113,9 +117,15 @@ class LimitPoint:
             raise NotConverged(f"the load turns beyond {place}, but where is "
                                f"known to {before:.2g} of it only, no fold "
                                f"(known to {FOLD_TOLERANCE:g})")
+        if self._steepest() > STEEPER * steepest:
+            raise NotConverged("branches meet where the load turns")
         fold = self._fold(self._is_corner(*first))
         self._check_outermost(fold, first)
         return replace(fold, fold_precision=max(before, np.finfo(float).eps))
+
+    def _steepest(self):
+        """The largest size of a slope at the bracket's ends."""
+        return max(abs(self.left.slope), abs(self.right.slope))
 
     def _check_outermost(self, fold, first):
         """NotConverged for a fold that the load has passed at the ends that its bracket began with,

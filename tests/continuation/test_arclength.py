@@ -1,6 +1,7 @@
 """Arc length on contacts: folds against independent values, lengths that know no grid, what a
 traced branch costs, bad input."""
 
+from contextlib import nullcontext
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -394,6 +395,24 @@ def points_on(load, slope, unknowns):
     points = [system.solve([u], leg.controls, np.array([load(u)])) for u in unknowns]
     return system, leg, [(place, point.changed(leg=1, position=place)) for point in points
                          for place in ((point.load[0] + 1.5) / 3.0,)]
+
+
+@pytest.mark.parametrize("slope, found", [(0.8, True), (300.0, False)])
+def test_a_slope_that_grows_within_the_bracket_tells_of_no_fold(slope, found, monkeypatch):
+    """Where branches meet the slope of the load grows, and turns by chance: of load = -u^2, with a
+    search whose next two points are said to have slopes of their own."""
+    system, leg, points = points_on(lambda u: -u ** 2, lambda u: -2.0 * u, (-0.5, 0.4))
+    limit = LimitPoint(system, leg, points[0][1], points[1][1])
+    slopes, really = iter((slope, -1e-12)), limit._point_at
+
+    def at(place, tight):
+        end = really(place, tight)
+        rate = next(slopes, None)
+        return end if rate is None else end._replace(direction=replace(end.direction, rate=rate))
+
+    monkeypatch.setattr(limit, "_point_at", at)
+    with (nullcontext() if found else pytest.raises(NotConverged, match="branches meet")):
+        assert limit.locate().event == "fold"
 
 
 def test_a_first_step_is_no_longer_than_tells_of_two_folds():
