@@ -13,6 +13,8 @@ PLANE = ("-scene_dimension", "2", "-scene_points", "16,24", "-scene_period", "20
          "-contact_symmetry", "off", "-contact_window", "off", "-load_start",
          "normal_displacement=-2", "-archive_file", "run.h5")
 PATH = "normal_displacement=0; tangential_displacement_x=1"
+ONE_MIRROR = ("-scene_poisson", "0.3", "-contact_symmetry", "auto", "-contact_window", "auto")
+"""States that have the mirror across the load alone."""
 MEASURED = {"wall_time"}
 
 
@@ -115,17 +117,23 @@ def test_an_archive_that_is_written_in_blocks_is_the_same(fields, on, precision,
 
 
 @together
-@pytest.mark.parametrize("sizes", [(2, 3), (3, 1)])
-def test_another_number_of_processes_goes_on(sizes, alone, tmp_path):
-    first, second = sizes
-    begun = command(first, "run", *words_of(path=PATH.split(";")[0]), folder=tmp_path)
+@pytest.mark.parametrize("sizes, more, path", [
+    ((2, 3), (), PATH), ((3, 1), (), PATH),
+    ((2, 3), ONE_MIRROR, "normal_displacement=0; tangential_displacement_x=0.5; "
+     "tangential_displacement_x=1")])
+def test_another_number_of_processes_goes_on(sizes, more, path, alone, tmp_path):
+    (first, second), words = sizes, [*words_of(path=path), *more]
+    begun = command(first, "run", *words_of(path=path.rpartition(";")[0]), *more, folder=tmp_path)
     assert begun.returncode == 0, begun.stderr
     known = read(tmp_path / "run.h5").points
-    done = command(second, "run", *words_of(), "-archive_resume", folder=tmp_path)
+    done = command(second, "run", *words, "-archive_resume", folder=tmp_path)
     assert done.returncode == 0, done
     assert f"after point {known} of" in done.stdout
-    archive, whole = read(tmp_path / "run.h5"), read(alone(*words_of()))
+    archive, whole = read(tmp_path / "run.h5"), read(alone(*words))
     assert archive.complete
+    if more:  # the iterations of one process
+        for name in ("nonlinear_iterations", "linear_iterations"):
+            np.testing.assert_array_equal(archive[name], whole[name])
     for name in ("normal_force", "tangential_force_x", "contact_area"):
         assert archive[name][-1] == pytest.approx(whole[name][-1], rel=1e-7)
 
