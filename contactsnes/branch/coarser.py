@@ -1,5 +1,7 @@
 """Correctors on coarser grids, which count in their finer one's units, and their states on it."""
 
+from weakref import WeakKeyDictionary
+
 import numpy as np
 
 from ..contact import states
@@ -57,12 +59,19 @@ def resolving(system, sheared, tolerance=None):
     return coarser(system, level, tolerance)
 
 
+_known = WeakKeyDictionary()
+"""What `_missed` has told of contacts: it takes as much memory as a solve leaves."""
+
+
 def _missed(contact):
     """Largest difference between the gap and its cubic interpolation from every other node,
     ranges."""
-    gap = contact.initial_gap
-    smooth = refined_field(contact.grid, contact.grid.every_other(gap))
-    return contact.grid.maximum(np.abs(smooth - gap))
+    if contact not in _known:
+        gap = contact.initial_gap
+        aside = refined_field(contact.grid, contact.grid.every_other(gap))
+        aside -= gap
+        _known[contact] = contact.grid.maximum(np.abs(aside, out=aside))
+    return _known[contact]
 
 
 def finer_state(contact, finer, state):

@@ -102,6 +102,7 @@ class Corrector:
             form = self.form_on(guess, controls)
             form.set_load(load)
             unknown = stirred(form, form.packed(guess), self.certified)
+            guess = None  # its memory is that of the solve, where nobody else holds it
             unknown, iterations = self.run(form, unknown, most_iterations)
             state = form.state(unknown)
             if not self.covers(form, state, self.snes):

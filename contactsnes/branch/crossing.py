@@ -93,8 +93,11 @@ def _crossing(system, last, load, beyond, where):
 
 def _crossed(system, last, load, beyond, where, narrower):
     """The same on the system's own grid, with as many narrower brackets within each other."""
-    ahead = jumps.settle(system, _begun(system, last, beyond), last.controls, beyond, where,
-                         last.state)
+
+    def begin():
+        return _begun(system, last, beyond)
+
+    ahead = jumps.settle(system, begin(), last.controls, beyond, where, last.state, begin)
 
     def told(begin, before):
         at = load + begin * (beyond - load)

@@ -33,7 +33,9 @@ class Departure:
 
     def __init__(self, contact, coarse, origin):
         self._fine, self._begin = contact, origin
-        self._cell = contact.extended(origin)
+        whole = origin.window.is_whole  # whose displacements are known, and are not copied
+        self._cell = (origin.displacement.reshape(1, *contact.grid.local_shape) if whole
+                      else contact.extended(origin))
         gap = contact.grid.every_other(self._cell[0] + contact.initial_gap)
         traction = contact.law.traction(gap.reshape(1, -1))
         displacement = Convolution(coarse.grid.whole, coarse.operator(1), 1).apply(
@@ -67,7 +69,9 @@ class Departure:
         """A state of the finer grid, near the equilibrium, on the coarser one."""
         if state is self._begin:
             return self.origin
-        moved = self._fine.grid.every_other(self._fine.extended(state) - self._cell)
+        moved = self._fine.extended(state)
+        moved -= self._cell
+        moved = self._fine.grid.every_other(moved)
         return State(self.origin.window, self.origin.displacement + moved.reshape(1, -1),
                      state.means)
 

@@ -34,8 +34,9 @@ def moved_means(form, change, far):
     """
     if form.whole_cell:
         return form.grid.mean(form.displacement(change))
-    half = getattr(form, "half", form)
-    response = half.stiffen(form.once(change), half.work)
+    half, field = getattr(form, "half", form), form.once(change)
+    # one component takes no memory besides
+    response = half.stiffen(field, field if form.components == 1 else np.empty_like(field))
     means = far - form.rigid_compliance * form.grid.sum(response) / form.grid.size
     means[form.forced] = form.scalars(change)
     return means

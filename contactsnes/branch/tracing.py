@@ -189,12 +189,13 @@ class Tracer(Corrector, Neighbours, Ends):
         half = state.half if known and state.half == form.half.window else None
         field = form.displacement(moved) if half is None else form.once(moved)
         begin = state.normal if half is None else state.once[0]
-        gap = begin + self.contact.gap_on(half or form.window)
-        away = field[0] - begin
-        for first in range(0, len(gap), PART):
+        gap = self.contact.gap_on(half or form.window)
+        for first in range(0, len(gap), PART):  # (arrays of all nodes are memory, not needed)
             part = slice(first, first + PART)
-            away[part] = law.regularised_step(gap[part], away[part], law.moving_stiffness)
-        np.add(begin, away, out=field[0])
+            near, moving = begin[part], field[0, part]
+            moving -= near
+            np.add(near, law.regularised_step(near + gap[part], moving, law.moving_stiffness),
+                   out=moving)
         if half is None:
             return states.State(form.window, field, means, state.half)
         return spread(half, field, means)

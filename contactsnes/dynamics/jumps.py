@@ -45,7 +45,7 @@ WIDE = 0.1
 """The same where a `rough` motion has but slowed down and the solution is stable."""
 
 
-def settle(system, state, controls, load, where, origin=None):
+def settle(system, state, controls, load, where, origin=None, again=None):
     """The equilibrium that motion from a state leads to at fixed load, polished by Newton.
 
     The motion is overdamped (`overdamped.OverdampedMotion`); where that cannot be followed, or
@@ -58,6 +58,8 @@ def settle(system, state, controls, load, where, origin=None):
     where : str, what a message says of the place
     origin : State, the equilibrium at this load from which the motion begins, if it does: works
         are known from there on, against viscosity where that is near
+    again : function () -> State, which makes the state anew where the motion cannot be followed, so
+        that its memory is that of the motion; None: it is kept
 
     Raises
     ------
@@ -71,8 +73,10 @@ def settle(system, state, controls, load, where, origin=None):
     system.make_room(whole=True)
     if options.type != "overdamped" or not has_modes(system.settings):
         return inertial(system, state, controls, load, where, options)
+    begin, kept = [state], state if again is None else None
+    del state
     try:
-        point = by_creep(system, state, controls, load, origin, options)
+        point = by_creep(system, begin.pop(), controls, load, origin, options)
         collect()  # the motion's memory, after nothing that a process may meet alone
         return point
     except Leaving:
@@ -82,7 +86,7 @@ def settle(system, state, controls, load, where, origin=None):
     except (Unsettled, NotConverged) as error:
         failure = str(error)
     collect()
-    return _unfollowed(system, state, controls, load, where, failure)
+    return _unfollowed(system, again() if kept is None else kept, controls, load, where, failure)
 
 
 def left(system, state, controls, load, where, origin=None):
@@ -175,6 +179,7 @@ def by_creep(system, state, controls, load, origin, options):
     if system.contact.grid.any(~np.isfinite(state.displacement)):
         raise NotConverged("it cannot begin: its start holds NaN or infinite values")
     motion, way = started(system, state, controls, load, origin, options)
+    del state  # its memory is that of the solve
     point = at_rest(system, motion, controls, load)
     return summed(system.contact, motion, way, point) if motion.measured else point
 
@@ -230,7 +235,7 @@ def at_rest(system, motion, controls, load):
         motion.make_room()
         most = COLD if (rest, part) == (RESTS[-1], 0.0) else WARM  # (beside a fold it may wander)
         try:
-            return (taken_over if part else polished)(system, motion.state(), controls, load, most)
+            return (taken_over if part else polished)(system, motion.state, controls, load, most)
         except NotConverged as error:
             reason = str(error)
         system.make_room(whole=True)
@@ -244,11 +249,12 @@ def polished(system, rest, controls, load, most=COLD):
     Parameters
     ----------
     system : Corrector
-    rest : State
+    rest : function () -> State, which nobody has to hold during the solve
     controls, load : of each component
     most : int, Newton iterations
     """
-    point = system.solve(rest, controls, load, most)
+    point = system.solve(rest(), controls, load, most)
+    rest = rest()
     # Off the flat the balance hardly says where the body is.
     far = states.distance(system.contact, rest, point.state) if not point.in_contact else 0.0
     if states.missed(system.contact, rest, point.state, largest=True) < BASIN and far < 1.0:
@@ -262,16 +268,16 @@ def taken_over(system, slow, controls, load, most):
     Parameters
     ----------
     system : System
-    slow : State that the motion has come to
+    slow : function () -> State that the motion has come to, as of `polished`
     controls : tuple, 'displacement' or 'force' of each component
     load : array
     most : int, Newton iterations
     """
-    point = system.solve(slow, controls, load, most)
+    point = system.solve(slow(), controls, load, most)
     if point.softest < 0.0:
         raise NotConverged("Newton's solution is not stable")
     if not (point.in_contact
-            and states.missed(system.contact, slow, point.state, largest=True) < WIDE):
+            and states.missed(system.contact, slow(), point.state, largest=True) < WIDE):
         raise NotConverged("Newton's solution is not where the motion slowed down")
     return point
 
@@ -293,7 +299,7 @@ def by_inertia(system, state, controls, load, where):
     for tolerance in np.maximum((first, 1e-2 * first, 0.0), 1e-8):
         unknown = relaxed(system.run, form, unknown, tolerance, where)
         try:
-            return polished(system, system.symmetry.checked(form.state(unknown)), controls,
+            return polished(system, lambda: system.symmetry.checked(form.state(unknown)), controls,
                             load)
         except NotConverged as error:
             reason = str(error)

@@ -8,6 +8,7 @@ iteration from a quadratic predictor. How far that led, where the law acts, is t
 error that controls the next step.
 """
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -119,9 +120,11 @@ class OverdampedMotion:
 
     def make_room(self):
         """Give back large equations, whose memory others take, until the motion goes on."""
-        if self.equations is not None and large(self.equations.form):
-            self._rests = self.state()
-            self.equations = self._outside = None
+        equations = self.equations
+        if equations is not None and large(equations.form):
+            form = equations.form
+            self._left = equations.window, equations.half, form.shape, form.root, self.means()
+            equations = self.equations = self._outside = form = None
             collect(True)
 
     def _size_now(self, change):
@@ -139,10 +142,12 @@ class OverdampedMotion:
         return means
 
     def state(self):
-        """Where the motion is now."""
-        if self.equations is None:
-            return self._rests
+        """Where the motion is now: made anew, as it takes much memory."""
         equations, unknown = self.equations, self.history[-1].unknown
+        if equations is None:
+            window, half, shape, root, means = self._left
+            field = unknown[:math.prod(shape)].reshape(shape) * root
+            return states.State(window, half.unfold(field) if half else field, means)
         displacement = equations.unfolded(equations.displacement(unknown))
         return states.State(equations.window, displacement, self.means())
 
@@ -154,7 +159,7 @@ class OverdampedMotion:
         """
         options, self._held = self.options, self.history[-1].time
         if self.equations is None:
-            self._equip(self._rests.window)
+            self._equip(self._left[0])
         step = self._next
         self._exactness = Exactness(self._control.exactness, min(1e-4 * options.tolerance, rest))
         while self.steps < options.steps and self.history[-1].time < LATEST:

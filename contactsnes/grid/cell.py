@@ -243,8 +243,7 @@ class Convolution:
         """Find where the window is on the circle of the transform, and room to multiply blocks."""
         self._inside = (slice(None), *(slice(0, n) for n in self.window.shape))
         self._diagonal = set(self.blocks) == {(i, i) for i in range(self.count)}
-        self._product = (None if self._diagonal
-                         else np.empty_like(self.transform.spectrum[:, :self._rows()]))
+        self._product = None  # made by the first product: the library needs none
 
     def apply(self, values, out, transposed=False):
         """Write the operator, or its transpose, times values to out, which is returned.
@@ -278,6 +277,8 @@ class Convolution:
                 spectrum[i] *= self.blocks[i, i]
             return
         rows = self._rows()
+        if self._product is None:
+            self._product = np.empty_like(self.transform.spectrum[:, :rows])
         for first in range(0, spectrum.shape[1], rows):
             part = spectrum[:, first:first + rows]
             product = self._product[:, :part.shape[1]]

@@ -23,8 +23,16 @@ class Operator:
 
     def __init__(self, grid, symbols, make=None, others=MappingProxyType({})):
         self.grid, self._make, self._others = grid, make or grid.transform, others
-        self.blocks = {key: symbol / grid.size for key, symbol in symbols.items()}
-        self._kernels = {}
+        self.blocks, self._kernels = {}, {}
+        for key, symbol in symbols.items():
+            self.blocks[key] = self._alike(key, symbol / grid.size)
+
+    def _alike(self, key, block):
+        """A block, or one known that is the same: across the diagonal, or another operator's."""
+        known = (operator.blocks.get(place) for operator in (self, *self._others.values())
+                 for place in (key, key[::-1]))
+        return next((other for other in known if other is not None
+                     and np.array_equal(other, block)), block)
 
     def kernel(self, key):
         """Real-space kernel of a block over the cell: the response at each lag to a unit at lag

@@ -39,11 +39,13 @@ def _arrays(even, shape, count):
 
 
 def _first_part(memory, arrays):
-    """Arrays, (shape, type) each, on the first bytes of others; None where these are fewer."""
+    """Arrays, (shape, type) each, on the first bytes of others; None where these are fewer, and in
+    place of what has not been made."""
     sizes = [math.prod(shape) * np.dtype(kind).itemsize for shape, kind in arrays]
-    if any(size > given.nbytes for size, given in zip(sizes, memory)):
+    if any(given is not None and size > given.nbytes for size, given in zip(sizes, memory)):
         return None
-    return [given.reshape(-1).view(np.uint8)[:size].view(kind).reshape(shape)
+    return [None if given is None
+            else given.reshape(-1).view(np.uint8)[:size].view(kind).reshape(shape)
             for size, given, (shape, kind) in zip(sizes, memory, arrays)]
 
 
@@ -147,7 +149,8 @@ class Compiled:
             even, _, shape, count, *_ = key
             held = [made for (kind, *_), made in [*self._held.items()] if kind == even]
             arrays = _arrays(even, shape, count)
-            memory = (_first_part((made.room, made.spectrum), arrays) for made in held)
+            memory = (_first_part((made.room, vars(made).get("spectrum")), arrays)
+                      for made in held)
             made = self._make(*key, memory=next(filter(None, memory), None))
             self._held[key] = made
             return made

@@ -38,18 +38,23 @@ class Compiled(Filtering):
     def __init__(self, grid, shape, count):
         self.library, self.shape, self.count = shared(), tuple(shape), count
         self._grid, self._sided = grid, {}
-        self.structure = structures.Transform()
-        self._reference = ctypes.addressof(self.structure)
-        self.structure.count = count
-        self.structure.shape[:] = (1,) * (2 - len(shape)) + self.shape
+        own = self._own = structures.Transform()
+        self._reference = ctypes.addressof(own)
+        own.count = count
+        own.shape[:] = (1,) * (2 - len(shape)) + self.shape
         self.charge()
+
+    @property
+    def structure(self):
+        """See above."""
+        return self._own
 
     def charge(self):
         """Take the cost of a transform in the units that the grid's counter has now."""
-        counter = self._grid.counter
-        self.structure.counter = address(counter.numbers)
-        parts = self.count * (2 if any(self.structure.both) else 1)
-        self.structure.cost = parts * transform_cost(math.prod(self.shape), counter.size)
+        counter, own = self._grid.counter, self._own
+        own.counter = address(counter.numbers)
+        parts = self.count * (2 if any(own.both) else 1)
+        own.cost = parts * transform_cost(math.prod(self.shape), counter.size)
         others = [vars(self).get(name) for name in ("single", "folded")]
         for other in [*others, *self._sided.values()]:
             if other is not None:
@@ -89,12 +94,12 @@ class Compiled(Filtering):
         ----------
         places, nodes, weight, own, values : as of that
         """
-        self.library.subtract_nodes(ctypes.addressof(self.structure), address(places),
+        self.library.subtract_nodes(self._reference, address(places),
                                     address(nodes), address(weight), own, address(values),
                                     len(nodes))
 
     def _call(self, function, *rest):
-        if function(self._reference, *rest or (self.structure.shape[0],)) == TOO_MANY:
+        if function(self._reference, *rest or (self._own.shape[0],)) == TOO_MANY:
             self._grid.counter.check()
 
     def forward(self):
@@ -109,38 +114,69 @@ class Compiled(Filtering):
 class Real(Compiled):
     """Real transforms of ``count`` arrays, as `grid.cell.Transform`.
 
+    The spectrum, as large as the arrays, is made with the first that asks for it, or for the
+    structure: where products are those of `Packed` nobody does.
+
     Parameters
     ----------
     grid : Grid, whose counter counts
     shape : tuple of int, points in each direction
     count : int, number of arrays
-    memory : as of `grid.cell.Transform`
+    memory : as of `grid.cell.Transform`, of which a spectrum that is None is made as above
     """
 
     def __init__(self, grid, shape, count, memory=None):
         super().__init__(grid, shape, count)
-        self.gain, own = math.prod(shape), self.structure
-        self._hold(*memory or (pyfftw.zeros_aligned((count, *shape)), pyfftw.zeros_aligned(
-            (count, *shape[:-1], shape[-1] // 2 + 1), dtype=complex)))
-        self._plans = Plans(self.shape, count, own.real, own.spectrum, bool(own.single))
-        own.waves = self.spectrum[0].size
+        self.gain = math.prod(shape)
+        real, spectrum = memory or (pyfftw.zeros_aligned((count, *shape)), None)
+        self.room = self.real = real
+        self._own.real, self._own.single = address(real), real.itemsize < 8
+        self._own.waves = math.prod(shape[:-1]) * (shape[-1] // 2 + 1)
+        if spectrum is not None:
+            self._plan(spectrum)
+
+    def _plan(self, spectrum):
+        """Plan the way between arrays and their half spectra, in memory for these."""
+        own, self.spectrum = self._own, spectrum
+        own.spectrum = address(spectrum)
+        self._plans = Plans(self.shape, self.count, own.real, own.spectrum, bool(own.single))
         own.forward, own.backward = self._plans.to_half, self._plans.to_row
+
+    @cached_property
+    def spectrum(self):
+        """Half spectra of the arrays."""
+        self._plan(pyfftw.zeros_aligned((self.count, *self.shape[:-1], self.shape[-1] // 2 + 1),
+                                        dtype=np.complex64 if self._own.single else complex))
+        return self.spectrum
+
+    @property
+    def structure(self):
+        """As of `Compiled`: who asks for it transforms by it."""
+        self.spectrum  # noqa: B018 (which is made)
+        return self._own
+
+    def _call(self, function, *rest):
+        self.spectrum  # noqa: B018 (which is made)
+        super()._call(function, *rest)
+
+    @property
+    def _packs(self):
+        """Whether `Packed` can make products."""
+        return len(self.shape) == 2 and not any(points % 2 for points in self.shape)
 
     @cached_property
     def single(self):
         """The same in single precision, on the same memory; in the plane `Packed` where it can
         be."""
         real = first_half(self.real)
-        if len(self.shape) == 2 and not any(points % 2 for points in self.shape):
+        if self._packs:
             return Packed(self._grid, self.shape, self.count, real)
         return Real(self._grid, self.shape, self.count, (real, first_half(self.spectrum)))
 
     @cached_property
     def folded(self):
         """`Packed` on the same memory where it can be, whose products are faster; else None."""
-        if len(self.shape) == 2 and not any(points % 2 for points in self.shape):
-            return Packed(self._grid, self.shape, self.count, self.real)
-        return None
+        return (Packed(self._grid, self.shape, self.count, self.real) if self._packs else None)
 
 
 class Packed(Compiled):

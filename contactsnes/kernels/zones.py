@@ -2,6 +2,7 @@
 at each tangent in the memory it has."""
 
 import ctypes
+import math
 import weakref
 
 import numpy as np
@@ -79,7 +80,7 @@ class CompiledZone:
             own.sums = self._array(2, max(window.shape), SIDE_BY_SIDE)
             # boxes are blurred in memory of their transform, which is not at work then
             transform = self.form.convolution.transform
-            own.mask, own.blur = address(transform.real), address(transform.spectrum)
+            own.mask, own.blur = address(transform.real), address(self._beside(transform))
         else:
             own.sums = self._array(nodes)
             own.mask, own.blur = self._array(nodes), self._array(nodes)
@@ -88,6 +89,17 @@ class CompiledZone:
         own.patched = taken(window)
         if own.patched:
             self._patches(window)
+
+    def _beside(self, transform):
+        """Memory for blurs beside that of masks, of a float and a byte for each node of a box: the
+        transform's, but for none that it would make for this alone."""
+        if "spectrum" in vars(transform) or len(self.form.window.parts) > 1:
+            return transform.spectrum
+        if len(transform.real) > 1:
+            return transform.real[1]
+        nodes = math.prod(self.form.window.shape)
+        self._kept.append(np.empty(nodes + nodes // 4 + 1, dtype=np.float32))
+        return self._kept[-1]
 
     def _patches(self, window):
         """Say when cores are in which patches."""

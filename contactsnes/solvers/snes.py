@@ -175,7 +175,19 @@ def solve(snes, form, unknown):
     finally:
         if again:
             solution.resetArray()
+        elif not small:
+            _let_go(snes, solution)
         solution.destroy()  # at once: older petsc4py does so late
+
+
+def _let_go(snes, solution):
+    """Have a SNES that works in a Vec of its linear solves hold that as its solution: the array of
+    the last one is the caller's alone, though PETSc keeps the Vec, which it reads no more, until it
+    solves again."""
+    own = of_ksp(snes.getKSP())
+    if own is not None and own.idle:
+        snes.setSolution(own.idle)
+        solution.setAttr("__array__", None)
 
 
 def end_of(snes, form):

@@ -393,7 +393,7 @@ def test_a_solution_that_differs_at_a_few_nodes_is_not_taken(self_affine):
     rest = states.State(point.state.window, aside, point.state.means)
     assert states.missed(system.contact, rest, point.state) < 0.01
     with pytest.raises(NotConverged, match="not where the motion led"):
-        jumps.polished(system, rest, point.controls, point.load)
+        jumps.polished(system, lambda: rest, point.controls, point.load)
 
 
 def test_a_motion_that_is_not_confirmed_is_followed_further(self_affine, monkeypatch):
@@ -401,7 +401,7 @@ def test_a_motion_that_is_not_confirmed_is_followed_further(self_affine, monkeyp
     polished, speeds = jumps.polished, []
 
     def doubtful(system, rest, controls, load, most):
-        aside = point.state.displacement - states.onto(rest, point.state.window)
+        aside = point.state.displacement - states.onto(rest(), point.state.window)
         speeds.append(np.abs(aside).max())
         if len(speeds) < 3:
             raise NotConverged("not yet")

@@ -733,10 +733,10 @@ def test_a_body_off_the_flat_is_where_its_motion_led(away, monkeypatch):
     monkeypatch.setattr(system, "solve", lambda *_: point)
     assert not point.in_contact and states.missed(system.contact, rest, point.state) == 0.0
     if away < 1.0:
-        assert jumps.polished(system, rest, (F,), np.array([0.0])) is point
+        assert jumps.polished(system, lambda: rest, (F,), np.array([0.0])) is point
     else:
         with pytest.raises(NotConverged, match="not where the motion led"):
-            jumps.polished(system, rest, (F,), np.array([0.0]))
+            jumps.polished(system, lambda: rest, (F,), np.array([0.0]))
 
 
 @pytest.mark.parametrize("wrong", (np.nan, np.inf))
