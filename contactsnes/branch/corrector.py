@@ -101,8 +101,7 @@ class Corrector:
             guess = self.fitted(guess)
             form = self.form_on(guess, controls)
             form.set_load(load)
-            unknown = stirred(form, form.packed(guess), self.certified)
-            guess = None  # its memory is that of the solve, where nobody else holds it
+            unknown, guess = stirred(form, form.packed(guess), self.certified), None  # (not held)
             unknown, iterations = self.run(form, unknown, most_iterations)
             state = form.state(unknown)
             if not self.covers(form, state, self.snes):

@@ -93,11 +93,8 @@ def _crossing(system, last, load, beyond, where):
 
 def _crossed(system, last, load, beyond, where, narrower):
     """The same on the system's own grid, with as many narrower brackets within each other."""
-
-    def begin():
-        return _begun(system, last, beyond)
-
-    ahead = jumps.settle(system, begin(), last.controls, beyond, where, last.state, begin)
+    ahead = jumps.settle(system, _begun(system, last, beyond), last.controls, beyond, where,
+                         last.state)
 
     def told(begin, before):
         at = load + begin * (beyond - load)
@@ -150,6 +147,7 @@ def _along(system, last, ahead):
         if not turned:
             return Crossing(0.0, 1.0, last, None, ahead.state)
         before, behind = sides(system, leg, known)
+        del known  # as much memory as the next way takes
         behind = _lower(system, before, behind)
         if behind is not None and _way(system, behind, ahead)[2]:
             return None

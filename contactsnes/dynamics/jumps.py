@@ -45,7 +45,7 @@ WIDE = 0.1
 """The same where a `rough` motion has but slowed down and the solution is stable."""
 
 
-def settle(system, state, controls, load, where, origin=None, again=None):
+def settle(system, state, controls, load, where, origin=None):
     """The equilibrium that motion from a state leads to at fixed load, polished by Newton.
 
     The motion is overdamped (`overdamped.OverdampedMotion`); where that cannot be followed, or
@@ -58,8 +58,6 @@ def settle(system, state, controls, load, where, origin=None, again=None):
     where : str, what a message says of the place
     origin : State, the equilibrium at this load from which the motion begins, if it does: works
         are known from there on, against viscosity where that is near
-    again : function () -> State, which makes the state anew where the motion cannot be followed, so
-        that its memory is that of the motion; None: it is kept
 
     Raises
     ------
@@ -73,10 +71,8 @@ def settle(system, state, controls, load, where, origin=None, again=None):
     system.make_room(whole=True)
     if options.type != "overdamped" or not has_modes(system.settings):
         return inertial(system, state, controls, load, where, options)
-    begin, kept = [state], state if again is None else None
-    del state
     try:
-        point = by_creep(system, begin.pop(), controls, load, origin, options)
+        point = by_creep(system, state, controls, load, origin, options)
         collect()  # the motion's memory, after nothing that a process may meet alone
         return point
     except Leaving:
@@ -86,7 +82,7 @@ def settle(system, state, controls, load, where, origin=None, again=None):
     except (Unsettled, NotConverged) as error:
         failure = str(error)
     collect()
-    return _unfollowed(system, again() if kept is None else kept, controls, load, where, failure)
+    return _unfollowed(system, state, controls, load, where, failure)
 
 
 def left(system, state, controls, load, where, origin=None):
@@ -179,7 +175,6 @@ def by_creep(system, state, controls, load, origin, options):
     if system.contact.grid.any(~np.isfinite(state.displacement)):
         raise NotConverged("it cannot begin: its start holds NaN or infinite values")
     motion, way = started(system, state, controls, load, origin, options)
-    del state  # its memory is that of the solve
     point = at_rest(system, motion, controls, load)
     return summed(system.contact, motion, way, point) if motion.measured else point
 
@@ -254,10 +249,9 @@ def polished(system, rest, controls, load, most=COLD):
     most : int, Newton iterations
     """
     point = system.solve(rest(), controls, load, most)
-    rest = rest()
     # Off the flat the balance hardly says where the body is.
-    far = states.distance(system.contact, rest, point.state) if not point.in_contact else 0.0
-    if states.missed(system.contact, rest, point.state, largest=True) < BASIN and far < 1.0:
+    far = states.distance(system.contact, rest(), point.state) if not point.in_contact else 0.0
+    if states.missed(system.contact, rest(), point.state, largest=True) < BASIN and far < 1.0:
         return point
     raise NotConverged("Newton's solution is not where the motion led")
 

@@ -8,7 +8,6 @@ iteration from a quadratic predictor. How far that led, where the law acts, is t
 error that controls the next step.
 """
 
-import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -24,7 +23,7 @@ from ..solvers.vectors import collect
 from .control import CAREFUL, MANY, Exactness, control
 from .endings import Circling, Leaving, Rounds, Unsettled
 from .outside import Outside
-from .step_works import Moment, step_works
+from .step_works import Moment, displacements, step_works
 from .viscous import Equations, backward_formula
 
 RESTING = 1e-6
@@ -120,11 +119,9 @@ class OverdampedMotion:
 
     def make_room(self):
         """Give back large equations, whose memory others take, until the motion goes on."""
-        equations = self.equations
-        if equations is not None and large(equations.form):
-            form = equations.form
-            self._left = equations.window, equations.half, form.shape, form.root, self.means()
-            equations = self.equations = self._outside = form = None
+        if self.equations is not None and large(self.equations.form):
+            self._left = self.equations.window, displacements(self.equations), self.means()
+            self.equations = self._outside = None
             collect(True)
 
     def _size_now(self, change):
@@ -143,13 +140,10 @@ class OverdampedMotion:
 
     def state(self):
         """Where the motion is now: made anew, as it takes much memory."""
-        equations, unknown = self.equations, self.history[-1].unknown
-        if equations is None:
-            window, half, shape, root, means = self._left
-            field = unknown[:math.prod(shape)].reshape(shape) * root
-            return states.State(window, half.unfold(field) if half else field, means)
-        displacement = equations.unfolded(equations.displacement(unknown))
-        return states.State(equations.window, displacement, self.means())
+        own = self.equations
+        window, displacement, means = self._left if own is None else (
+            own.window, displacements(own), self.means())
+        return states.State(window, displacement(self.history[-1].unknown), means)
 
     def follow(self, rest=RESTING, part=0.0):
         """Follow the motion until it slows down below a speed ``rest`` where the law acts, or below

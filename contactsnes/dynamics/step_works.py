@@ -1,6 +1,7 @@
 """Moments of a motion, and the works of a step between two of them, found on some nodes at a time:
 in no memory to speak of."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -52,6 +53,18 @@ def step_works(contact, equations, history, moment, step):
     interface, viscous = step / 6.0 * interface, -step * viscous
     viscous[moving] += (step * contact.grid.size * equations.mass * (means ** 2 + bent ** 2 / 3.0))
     return np.array([interface, viscous])
+
+
+def displacements(equations):
+    """The function (unknown) that finds displacements (components, nodes of the window) of
+    `Equations`, which it does not hold."""
+    shape, root, half = equations.form.shape, equations.form.root, equations.half
+
+    def found(unknown):
+        field = unknown[:math.prod(shape)].reshape(shape) * root
+        return half.unfold(field) if half else field
+
+    return found
 
 
 def _on_interface(equations, known, initial_gap, times, step):
