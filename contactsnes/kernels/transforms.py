@@ -94,7 +94,7 @@ class Compiled(Filtering):
         ----------
         places, nodes, weight, own, values : as of that
         """
-        self.library.subtract_nodes(self._reference, address(places),
+        self.library.subtract_nodes(ctypes.addressof(self.structure), address(places),
                                     address(nodes), address(weight), own, address(values),
                                     len(nodes))
 
