@@ -482,11 +482,12 @@ class Counter:
 def count_compiled(monkeypatch, count):
     """Have every plan that the compiled kernels execute counted, a row's as its points."""
     shapes, pointers = {}, library.pointers(library.shared())
-    real, line = transforms.Real.__init__, lines.Line.__init__
+    planned, line = transforms.Real._plan, lines.Line.__init__
 
-    def made_real(self, grid, shape, number, memory=None):
-        real(self, grid, shape, number, memory)
-        shapes.update(dict.fromkeys((self._plans.to_row, self._plans.to_half), (number, *shape)))
+    def planned_real(self, spectrum):
+        planned(self, spectrum)
+        shapes.update(dict.fromkeys((self._plans.to_row, self._plans.to_half),
+                                    (self.count, *self.shape)))
 
     def made_line(self, points, closed, single):
         line(self, points, closed, single)
@@ -507,7 +508,7 @@ def count_compiled(monkeypatch, count):
                        for name in ("execute", "to_half", "to_row")
                        for end, number in (("", np.float64(0.0)), ("_single", np.float32(0.0)))}
     lines.line.cache_clear()  # plans of other tests are not known here
-    monkeypatch.setattr(transforms.Real, "__init__", made_real)
+    monkeypatch.setattr(transforms.Real, "_plan", planned_real)
     monkeypatch.setattr(lines.Line, "__init__", made_line)
     for name, callback in count.callbacks.items():  # kept as long as the count
         monkeypatch.setattr(pointers, name, ctypes.cast(callback, ctypes.c_void_p).value)
