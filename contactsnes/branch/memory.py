@@ -23,7 +23,7 @@ def memory_of_solve(unknowns, whole, kind=None, iterations=ITERATIONS):
     """Bytes of a solve: Krylov vectors and 13 arrays of the unknowns, 7 arrays over the cell.
 
     Measured on rough planes without a window, in arrays of the nodes, with five to seven iterations
-    of a solve: 22 of one component on 1024 x 1024 nodes, 60 of three on 512 x 512.
+    of a solve: 18 of one component on 1024 x 1024 nodes, 50 of three on 512 x 512.
 
     Parameters
     ----------
