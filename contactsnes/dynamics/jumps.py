@@ -248,10 +248,10 @@ def polished(system, rest, controls, load, most=COLD):
     controls, load : of each component
     most : int, Newton iterations
     """
-    point = system.solve(rest(), controls, load, most)
+    point, led = system.solve(rest(), controls, load, most), rest()
     # Off the flat the balance hardly says where the body is.
-    far = states.distance(system.contact, rest(), point.state) if not point.in_contact else 0.0
-    if states.missed(system.contact, rest(), point.state, largest=True) < BASIN and far < 1.0:
+    far = states.distance(system.contact, led, point.state) if not point.in_contact else 0.0
+    if states.missed(system.contact, led, point.state, largest=True) < BASIN and far < 1.0:
         return point
     raise NotConverged("Newton's solution is not where the motion led")
 
@@ -293,8 +293,8 @@ def by_inertia(system, state, controls, load, where):
     for tolerance in np.maximum((first, 1e-2 * first, 0.0), 1e-8):
         unknown = relaxed(system.run, form, unknown, tolerance, where)
         try:
-            return polished(system, lambda: system.symmetry.checked(form.state(unknown)), controls,
-                            load)
+            rest = system.symmetry.checked(form.state(unknown))
+            return polished(system, lambda: rest, controls, load)
         except NotConverged as error:
             reason = str(error)
     raise NotConverged(f"the motion {where} settled, but {reason}")

@@ -93,24 +93,33 @@ class EvenWindow:
     even, picked = True, False
 
     def __init__(self, full, parities=None):
-        cell = full.grid
-        self.parities = unlike(parities)
-        without = without_mirror(self.parities)
-        self.mirrors = tuple(axis != without for axis in range(len(cell.shape)))
-        self.full, self.start = full, tuple(
-            n // 2 if mirror else first
-            for n, first, mirror in zip(cell.shape, full.start, self.mirrors))
-        self.shape = self.extents = tuple(n // 2 + 1 if mirror else n
-                                          for n, mirror in zip(full.shape, self.mirrors))
+        self.start, lines = self._halve(full, parities)
+        self.shape = self.extents
         self.size = math.prod(self.shape)
-        self.closed = tuple(n == total for n, total in zip(full.shape, cell.shape))
-        self.limits = tuple(n // 2 + 1 for n in cell.shape)
         folded = [(n // 2 * mirror + np.arange(count)) % n
                   for n, count, mirror in zip(full.shape, self.shape, self.mirrors)]
         self._folded = _flat(folded, full.shape)
-        lines = [line_weights(count, closed) if mirror else np.ones(count)
-                 for count, closed, mirror in zip(self.shape, self.closed, self.mirrors)]
-        self.grid = EvenGrid(cell, reduce(np.multiply.outer, lines).reshape(-1))
+        self.grid = EvenGrid(full.grid, reduce(np.multiply.outer, lines).reshape(-1))
+
+    def _halve(self, full, parities):
+        """Take what does not depend on the processes that have the nodes: where they begin in the
+        cell, and for how many nodes of a direction each stands, an array of each.
+
+        Parameters
+        ----------
+        full, parities : as of `EvenWindow`
+        """
+        shape = full.grid.shape
+        self.full, self.closed, self.parities = full, full.closed, unlike(parities)
+        without = without_mirror(self.parities)
+        self.mirrors = tuple(axis != without for axis in range(len(shape)))
+        self.extents = tuple(n // 2 + 1 if mirror else n
+                             for n, mirror in zip(full.extents, self.mirrors))
+        self.limits = tuple(n // 2 + 1 for n in shape)
+        start = tuple(n // 2 if mirror else first
+                      for n, first, mirror in zip(shape, full.origin, self.mirrors))
+        return start, [line_weights(count, closed) if mirror else np.ones(count)
+                       for count, closed, mirror in zip(self.extents, self.closed, self.mirrors)]
 
     @property
     def units(self):

@@ -30,7 +30,7 @@ class Operator:
     def _alike(self, key, block):
         """A block, or one known that is the same: across the diagonal, or another operator's."""
         known = (operator.blocks.get(place) for operator in (self, *self._others.values())
-                 for place in (key, key[::-1]))
+                 for place in {key, key[::-1]})
         return next((other for other in known if other is not None
                      and np.array_equal(other, block)), block)
 

@@ -4,8 +4,7 @@ of the cell are."""
 
 import numpy as np
 
-from .even import EvenWindow, line_weights, negate
-from .mirrors import unlike, without_mirror
+from .even import EvenWindow, negate
 from .rows import Rows
 from .slab import Slab
 from .slab_transform import share, shares
@@ -28,25 +27,16 @@ class SlabEven(EvenWindow):
 
     def __init__(self, full, parities=None):
         cell = full.grid
-        self.full, self.parities, self.limits = full, unlike(parities), tuple(
-            n // 2 + 1 for n in cell.shape)
-        without = without_mirror(self.parities)
-        self.mirrors, self.closed = tuple(axis != without for axis in range(2)), full.closed
-        self.extents = tuple(n // 2 + 1 if mirror else n
-                             for n, mirror in zip(full.extents, self.mirrors))
+        start, self._lines = self._halve(full, parities)
         # in pairs, which single precision takes for one row of complex numbers
         ends = [[min(2 * end, self.extents[0]) for end in (first, first + number)]
                 for first, number in shares((self.extents[0] + 1) // 2, cell.comm.size)]
         beyond = "mirror" if self.mirrors[0] else "wrap" if self.closed[0] else "nearest"
         self.rows = Rows(cell.comm, [(begin, end - begin) for begin, end in ends],
                          self.extents[0], beyond)
-        begin = [n // 2 if mirror else first
-                 for n, first, mirror in zip(cell.shape, full.origin, self.mirrors)]
-        self.start = begin[0] + self.rows.first, begin[1]
+        self.start = start[0] + self.rows.first, start[1]
         self.shape = self.rows.count, self.extents[1]
         self.size = self.shape[0] * self.shape[1]
-        self._lines = [line_weights(count, closed) if mirror else np.ones(count)
-                       for count, closed, mirror in zip(self.extents, self.closed, self.mirrors)]
         weights = np.multiply.outer(self._lines[0][self.rows.numbers], self._lines[1])
         self.grid = cell.weighted(weights.reshape(-1), self.rows)
 

@@ -22,8 +22,25 @@ from .structures import address
 
 
 class OfFolded:
-    """Base of transforms whose products are those of ``folded``, and in single precision of
-    ``single``."""
+    """Base of transforms whose products are those of `SlabFolded`, in double (``folded``) and in
+    single precision, on the same memory.
+
+    Attributes
+    ----------
+    fields : what `SlabFolded` is made of before its precision, and ``columns`` behind it
+    """
+
+    columns = 0
+
+    @cached_property
+    def single(self):
+        """`SlabFolded` in single precision."""
+        return SlabFolded(*self.fields, True, self.columns)
+
+    @cached_property
+    def folded(self):
+        """`SlabFolded` in double precision."""
+        return SlabFolded(*self.fields, False, self.columns)
 
     def inverted(self, *given):
         """As `Filtering.inverted`, for `filter`."""
@@ -51,15 +68,10 @@ class SlabEvenReal(OfFolded, SlabCosines):
     grid, shape, count, rows, parities : as of that
     """
 
-    @cached_property
-    def single(self):
-        """`SlabFolded` in single precision, on the same memory."""
-        return SlabFolded(*self._given, True)
-
-    @cached_property
-    def folded(self):
-        """`SlabFolded` in double precision, on the same memory."""
-        return SlabFolded(*self._given, False)
+    @property
+    def fields(self):
+        """As of `OfFolded`."""
+        return self._given
 
     def _lay_out(self, comm, rows, kind):
         """Take memory for numbers of a type, and find what goes where.

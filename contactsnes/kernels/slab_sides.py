@@ -1,13 +1,11 @@
 """Transforms of fields that are shared out and have one mirror (`grid.slab_sides`), made by the
 library."""
 
-from functools import cached_property
-
 from ..grid.mirrors import without_mirror
 from ..grid.sides import Sides, parts_of
 from ..grid.slab_sides import Columns, SlabSides
 from .library import shared
-from .slab_even import OfFolded, SlabEvenReal, SlabFolded
+from .slab_even import OfFolded, SlabEvenReal
 
 
 class ColumnsReal(Columns, SlabEvenReal):
@@ -30,18 +28,8 @@ class OfSides(OfFolded):
 
     def _known(self, *fields):
         """Take what `slab_even.SlabFolded` is made of but for its precision, the columns last."""
-        *self._fields, self._columns = fields
+        *self.fields, self.columns = fields
         self.library = shared()
-
-    @cached_property
-    def single(self):
-        """`slab_even.SlabFolded` in single precision, on the same memory."""
-        return SlabFolded(*self._fields, True, self._columns)
-
-    @cached_property
-    def folded(self):
-        """`slab_even.SlabFolded` in double precision, on the same memory."""
-        return SlabFolded(*self._fields, False, self._columns)
 
 
 class AlongRows(OfSides, Sides):

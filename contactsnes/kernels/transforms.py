@@ -176,7 +176,7 @@ class Real(Compiled):
     @cached_property
     def folded(self):
         """`Packed` on the same memory where it can be, whose products are faster; else None."""
-        return (Packed(self._grid, self.shape, self.count, self.real) if self._packs else None)
+        return Packed(self._grid, self.shape, self.count, self.real) if self._packs else None
 
 
 class Packed(Compiled):
