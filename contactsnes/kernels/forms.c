@@ -112,30 +112,29 @@ static void fill_tractions(const Form *f, const void *unknown, long at, long n, 
                   part_of(f->ahead, at, f->nodes));
 }
 
-/* D vector / scale, of some nodes of a vector whose components are `apart` */
-CLONES static void stiffen(const Form *f, const double *vector, long apart, long at, long n, double *part)
-{
-    const long m = f->components, nodes = f->nodes;
-    const double *restrict z = f->unscale;
-    for (long i = 0; i < m; i++) {
-        double *restrict w = part + i * PART;
-        const double *restrict d = f->tangent + i * m * nodes + at, *restrict v = vector;
-        if (m == 3)
-            for (long k = 0; k < n; k++)
-                w[k] = d[k] * v[k] + d[nodes + k] * v[apart + k] + d[2 * nodes + k] * v[2 * apart + k];
-        else {
-            for (long k = 0; k < n; k++) w[k] = d[k] * v[k];
-            for (long j = 1; j < m; j++)
-                for (long k = 0; k < n; k++) w[k] += d[j * nodes + k] * v[j * apart + k];
-        }
-        for (long k = 0; k < n && z; k++) w[k] *= z[at + k];
+/* D vector / scale, of some nodes of a vector in numbers NUMBER */
+#define STIFFEN(NUMBER, NAME)                                                                                \
+    CLONES static void NAME(const Form *f, const void *vector, long at, long n, double *part)                \
+    {                                                                                                        \
+        const long m = f->components, nodes = f->nodes;                                                      \
+        const double *restrict z = f->unscale;                                                               \
+        const NUMBER *restrict v = (const NUMBER *)vector + at;                                              \
+        for (long i = 0; i < m; i++) {                                                                       \
+            double *restrict w = part + i * PART;                                                            \
+            const double *restrict d = f->tangent + i * m * nodes + at;                                      \
+            if (m == 3)                                                                                      \
+                for (long k = 0; k < n; k++)                                                                 \
+                    w[k] = d[k] * v[k] + d[nodes + k] * v[nodes + k] + d[2 * nodes + k] * v[2 * nodes + k];  \
+            else {                                                                                           \
+                for (long k = 0; k < n; k++) w[k] = d[k] * v[k];                                             \
+                for (long j = 1; j < m; j++)                                                                 \
+                    for (long k = 0; k < n; k++) w[k] += d[j * nodes + k] * v[j * nodes + k];                \
+            }                                                                                                \
+            for (long k = 0; k < n && z; k++) w[k] *= z[at + k];                                             \
+        }                                                                                                    \
     }
-}
-
-static void fill_stiffened(const Form *f, const void *vector, long at, long n, double *part)
-{
-    stiffen(f, (const double *)vector + at, f->nodes, at, n, part);
-}
+STIFFEN(double, fill_stiffened)
+STIFFEN(float, fill_stiffened_in_single)
 
 /* numbers in single precision in double, and back */
 CLONES void widen(const float *restrict x, double *restrict out, long n)
@@ -146,15 +145,6 @@ CLONES void widen(const float *restrict x, double *restrict out, long n)
 CLONES void narrow(const double *restrict x, float *restrict out, long n)
 {
     for (long k = 0; k < n; k++) out[k] = x[k];
-}
-
-/* the same of a vector in single precision */
-static void fill_stiffened_in_single(const Form *f, const void *vector, long at, long n, double *part)
-{
-    double wide[MOST * PART];
-    for (long i = 0; i < f->components; i++)
-        widen((const float *)vector + i * f->nodes + at, wide + i * PART, n);
-    stiffen(f, wide, PART, at, n, part);
 }
 
 /* vector / scale */

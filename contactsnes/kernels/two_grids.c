@@ -4,7 +4,6 @@
 #include <string.h>
 
 enum { PARTS = 16 };   /* of a sum, side by side */
-enum { SOME = 1024 };  /* nodes whose fields stay in the cache */
 
 /* Symbols times what stands on the circle of patches, in place. */
 static int filter_patches(const TwoGrids *g, const void *symbol)
@@ -36,53 +35,42 @@ void weigh_nodes(TwoGrids *g, const double *tangent)
     else weigh_in_double(g, tangent);
 }
 
-/* Some nodes of a field, in doubles. */
-static const double *some_of(const void *field, int floats, long at, long n, double *part)
+/* What stands for patches, of sums over them, in their place. */
+static int solve_patches(TwoGrids *g)
 {
-    if (!floats) return (const double *)field + at;
-    widen((const float *)field + at, part, n);
-    return part;
+    const int status = g->add_up && !is_parted(g) ? g->add_up(g->sums, 2 * g->points) : 0;
+    if (status) return status;
+    return g->transform->single ? on_patches_in_single(g) : on_patches_in_double(g);
 }
 
 /* What the two grids make of a field, to another one or in place. */
-static int apply(TwoGrids *g, const void *field, void *out, int floats)
-{
-    const int single = (int)g->transform->single;
-    double part[SOME];
-    memset(g->sums, 0, 2 * g->points * sizeof *g->sums);
-    for (long at = 0; at < g->nodes; at += SOME) {
-        const long n = g->nodes - at < SOME ? g->nodes - at : SOME;
-        (single ? gather_in_single : gather_in_double)(g, some_of(field, floats, at, n, part), at, n);
-    }
-    int status = 0;
-    if (g->add_up && !is_parted(g)) status = g->add_up(g->sums, 2 * g->points);
-    if (!status) status = single ? on_patches_in_single(g) : on_patches_in_double(g);
-    if (status) return status;
-    for (long at = 0; at < g->nodes; at += SOME) {
-        const long n = g->nodes - at < SOME ? g->nodes - at : SOME;
-        double *here = floats ? part : (double *)out + at;
-        (single ? scatter_in_single : scatter_in_double)(g, some_of(field, floats, at, n, part), at, n, here);
-        if (floats) narrow(here, (float *)out + at, n);
-    }
-    return 0;
-}
-
-/* Adds to some nodes what two grids make of a field there, at most SOME, where what stands for patches is in
-   their sums. */
-void add_on_two_grids(const TwoGrids *g, const float *field, long at, long n, double *out)
-{
-    double x[SOME], here[SOME];
-    widen(field, x, n);
-    (g->transform->single ? scatter_in_single : scatter_in_double)(g, x, at, n, here);
-    for (long k = 0; k < n; k++) out[k] += here[k];
-}
-
 int on_two_grids(TwoGrids *g, const double *field, double *out)
 {
-    return apply(g, field, out, 0);
+    memset(g->sums, 0, 2 * g->points * sizeof *g->sums);
+    if (g->transform->single) gather_doubles_in_single(g, field);
+    else gather_doubles_in_double(g, field);
+    const int status = solve_patches(g);
+    if (status) return status;
+    if (g->transform->single) scatter_doubles_in_single(g, field, out);
+    else scatter_doubles_in_double(g, field, out);
+    return 0;
 }
 
 int on_two_grids_of_floats(TwoGrids *g, const float *field, float *out)
 {
-    return apply(g, field, out, 1);
+    memset(g->sums, 0, 2 * g->points * sizeof *g->sums);
+    if (g->transform->single) gather_floats_in_single(g, field);
+    else gather_floats_in_double(g, field);
+    const int status = solve_patches(g);
+    if (status) return status;
+    if (g->transform->single) scatter_floats_in_single(g, field, out);
+    else scatter_floats_in_double(g, field, out);
+    return 0;
+}
+
+/* Adds to some nodes what two grids make of a field there, where what stands for patches is in their sums. */
+void add_on_two_grids(const TwoGrids *g, const float *field, long at, long n, double *out)
+{
+    if (g->transform->single) scatter_on_in_single(g, field, at, n, out);
+    else scatter_on_in_double(g, field, at, n, out);
 }

@@ -13,29 +13,42 @@ static void OF(weigh)(const TwoGrids *g, const double *restrict tangent)
     }
 }
 
-/* Adds some nodes' field, and the field times their weights, to two sums of each patch: four nodes after
-   each other are mostly of one. */
-static void OF(gather)(const TwoGrids *g, const double *restrict x, long at, long n)
-{
-    const REAL *restrict q = (const REAL *)g->inverse + at;
-    const int *restrict patch = g->patch + at;
-    for (long k = 0; k < n;) {
-        double *here = g->sums + 2 * patch[k];
-        const int four = k + 4 <= n && patch[k] == patch[k + 1] && patch[k] == patch[k + 2] && patch[k] == patch[k + 3];
-        here[0] += four ? (x[k] + x[k + 1]) + (x[k + 2] + x[k + 3]) : x[k];
-        here[1] += four ? (q[k] * x[k] + q[k + 1] * x[k + 1]) + (q[k + 2] * x[k + 2] + q[k + 3] * x[k + 3])
-                        : q[k] * x[k];
-        k += four ? 4 : 1;
+/* Between nodes and patches, of a field in numbers FIELD. Gathered: sums over each patch of the field, and of the field
+   times its weights; four nodes after each other are mostly of one. Scattered: inverse (x + by of its patch), in place
+   or not. */
+#define BETWEEN(FIELD, GATHER, SCATTER)                                                                       \
+    static void OF(GATHER)(const TwoGrids *g, const FIELD *restrict x)                                        \
+    {                                                                                                         \
+        const REAL *restrict q = (const REAL *)g->inverse;                                                    \
+        const int *restrict patch = g->patch;                                                                 \
+        for (long k = 0; k < g->nodes;) {                                                                     \
+            double *here = g->sums + 2 * patch[k];                                                            \
+            const int four = k + 4 <= g->nodes && patch[k] == patch[k + 1] && patch[k] == patch[k + 2]        \
+                && patch[k] == patch[k + 3];                                                                  \
+            const double a = x[k], b = four ? x[k + 1] : 0.0, c = four ? x[k + 2] : 0.0, d = four ? x[k + 3] : 0.0;\
+            here[0] += four ? (a + b) + (c + d) : a;                                                          \
+            here[1] += four ? (q[k] * a + q[k + 1] * b) + (q[k + 2] * c + q[k + 3] * d) : q[k] * a;           \
+            k += four ? 4 : 1;                                                                                \
+        }                                                                                                     \
+    }                                                                                                         \
+    CLONES static void OF(SCATTER)(const TwoGrids *g, const FIELD *x, FIELD *out)                             \
+    {                                                                                                         \
+        const REAL *restrict inverse = (const REAL *)g->inverse;                                              \
+        const int *restrict patch = g->patch;                                                                 \
+        const double *restrict by = g->sums;                                                                  \
+        for (long k = 0; k < g->nodes; k++) out[k] = inverse[k] * (x[k] + by[patch[k]]);                      \
     }
-}
+BETWEEN(double, gather_doubles, scatter_doubles)
+BETWEEN(float, gather_floats, scatter_floats)
+#undef BETWEEN
 
-/* inverse (x + by of its patch) of some nodes, in place or not */
-CLONES static void OF(scatter)(const TwoGrids *g, const double *x, long at, long n, double *out)
+/* out += inverse (x + by of its patch) of some nodes */
+CLONES static void OF(scatter_on)(const TwoGrids *g, const float *restrict x, long at, long n, double *restrict out)
 {
     const REAL *restrict inverse = (const REAL *)g->inverse + at;
     const int *restrict patch = g->patch + at;
     const double *restrict by = g->sums;
-    for (long k = 0; k < n; k++) out[k] = inverse[k] * (x[k] + by[patch[k]]);
+    for (long k = 0; k < n; k++) out[k] += inverse[k] * (x[k] + by[patch[k]]);
 }
 
 CLONES static void OF(multiplied)(const REAL *restrict a, const REAL *restrict x, REAL *restrict out, long n)
