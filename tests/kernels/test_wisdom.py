@@ -2,26 +2,35 @@
 
 import os
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from contactsnes.kernels import fftw
 
+CALLS = fftw._calls
+
+
+class Library:
+    """FFTW with some functions in the place of its own; the others stay, for plans of earlier tests
+    that end meanwhile."""
+
+    def __init__(self, **functions):
+        vars(self).update(functions)
+
+    def __getattr__(self, name):
+        return getattr(CALLS(), name)
+
 
 @pytest.mark.parametrize("whole", (False, True))
 def test_it_is_kept_whole_or_not_at_all(whole, tmp_path, monkeypatch):
     """A write that fails, as on a full disk, leaves nothing behind."""
-    class Library:
-        """FFTW that writes a file, and says whether that is all."""
+    def export(name):
+        """Write a file, and say whether that is all."""
+        Path(os.fsdecode(name)).write_text("a part at least", encoding="utf-8")
+        return int(whole)
 
-        def fftw_export_wisdom_to_filename(self, name):
-            """Write."""
-            Path(os.fsdecode(name)).write_text("a part at least", encoding="utf-8")
-            return int(whole)
-
-    monkeypatch.setattr(fftw, "_calls", Library)
+    monkeypatch.setattr(fftw, "_calls", lambda: Library(fftw_export_wisdom_to_filename=export))
     monkeypatch.setattr(fftw, "_state", {"file": tmp_path / "kept", "taken": None, "made": 2,
                                         "read": 0})
     fftw._keep()
@@ -45,7 +54,7 @@ def test_a_long_memory_is_begun_anew(tmp_path, monkeypatch):
     monkeypatch.setattr(fftw, "_state", {"file": None, "taken": None, "made": 0, "read": 0})
     monkeypatch.setattr(fftw.atexit, "register", lambda function: None)
     read = []
-    monkeypatch.setattr(fftw, "_calls", lambda: SimpleNamespace(
+    monkeypatch.setattr(fftw, "_calls", lambda: Library(
         fftw_import_wisdom_from_filename=read.append))
     for name, size in (("short", fftw.MOST - 1), ("long", fftw.MOST)):
         folder = tmp_path / name
@@ -66,7 +75,7 @@ def test_what_others_learned_meanwhile_is_kept_too(tmp_path, monkeypatch):
         Path(os.fsdecode(name)).write_text("all", encoding="utf-8")
         return 1
 
-    monkeypatch.setattr(fftw, "_calls", lambda: SimpleNamespace(
+    monkeypatch.setattr(fftw, "_calls", lambda: Library(
         fftw_import_wisdom_from_filename=lambda name: calls.append(file.read_text("utf-8")),
         fftw_export_wisdom_to_filename=export))
     fftw.remember(tmp_path)
