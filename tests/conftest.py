@@ -1,11 +1,21 @@
 """What tests share: PETSc's options, which are one database for the whole process, and how MPI
 begins in the processes that they start."""
 
+import gc
+
 import pytest
 
 from contactsnes.commands.starting import stay_alone
 
 stay_alone()  # so do the processes that tests start, hundreds, each a third of a second sooner
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_finish():
+    """Thousands of tests and what they import stay to the end: each collection of garbage, of which
+    the command's end asks for one, would look through all of it for a tenth of a second."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture
