@@ -116,9 +116,14 @@ KEPT = {"pressed": ["-archive_fields none", "-archive_fields last", "-archive_fi
         "sphere": ["-archive_fields none", "-archive_fields last", "-archive_fields all",
                    "-archive_fields all -archive_fields_on cell",
                    "-archive_fields last -archive_precision single"]}
+OTHERS = [("pressed", "-archive_fields last"), ("sphere", "-archive_fields none"),
+          ("sphere", "-archive_fields last"), ("pressed", "-archive_fields all")]
+"""Each of what is kept is that of the other scene, too, or of a case with something besides."""
 
 
-@pytest.mark.parametrize("name, kept", [(name, kept) for name in KEPT for kept in KEPT[name]])
+@pytest.mark.parametrize("name, kept", [
+    pytest.param(name, kept, marks=pytest.mark.study if (name, kept) in OTHERS else ())
+    for name in KEPT for kept in KEPT[name]])
 def test_the_size_of_an_archive_follows_from_its_points(tmp_path, monkeypatch, name, kept):
     """To a tenth; a small archive took ten times what was told: rooms, columns and states of a file
     besides its numbers."""
@@ -194,7 +199,7 @@ print((held("VmHWM") - before) / 8 / points ** 2, jumps)
     (384, 1, "normal_displacement=1.4", 6.0, 1, 25.0),
     (384, 1, "normal_displacement=1.1; tangential_displacement_x=0.2", 6.0, 3, 60.0),
     (512, 0.3, "normal_displacement=0.36", 2.0, 1, 28.0),
-    (256, 1.5, "tangential_displacement_x=0.7", 2.0, 3, 95.0)])
+    pytest.param(256, 1.5, "tangential_displacement_x=0.7", 2.0, 3, 95.0, marks=pytest.mark.study)])
 def test_memory_of_a_rough_plane(points, start, path, slope, components, most):
     """Where the law acts on all nodes, in arrays of these: measured 21, 52, and, where linear
     solves are long and a spot jumps, 22 to 24, and of three components 61 with PETSc 3.18, and 83

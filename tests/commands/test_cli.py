@@ -9,13 +9,12 @@ import struct
 import subprocess
 import sys
 import termios
-import time
 from types import SimpleNamespace
 
 import h5py
 import numpy as np
 import pytest
-from processes import COMMAND, ENVIRONMENT, call, refused
+from processes import COMMAND, ENVIRONMENT, call, refused, run
 
 from contactsnes.commands import cli
 from contactsnes.continuation.points import NotConverged, new_points, unfinished_fold
@@ -31,19 +30,27 @@ SHEARED = [*SMALL, "-scene_residual_friction", "0.5", "-scene_height", "250",
 """A path whose shear reaches a fold, beyond which the contact slides."""
 
 
-def start(*arguments, folder, points):
-    """A running process that has archived some points in run.h5."""
-    # A shell starts what it puts in the background with SIGINT ignored, and so would all its
-    # children be.
-    process = subprocess.Popen([*COMMAND, *arguments], cwd=folder, env=ENVIRONMENT,
-                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
-    while process.poll() is None:
-        time.sleep(0.02)
-        if (folder / "run.h5").exists() and reading.read(folder / "run.h5").points >= points:
-            break
-    assert process.poll() is None, process.stderr.read()
-    return process
+SIGNALLED = """
+import os, runpy, sys
+from contactsnes.output.archive import Archive
+
+append, number, points = Archive.append, int(sys.argv[1]), int(sys.argv[2])
+
+def signalled(archive, *values, **fields):
+    append(archive, *values, **fields)
+    if archive.points == points:
+        os.kill(os.getpid(), number)
+
+Archive.append = signalled
+sys.argv[1:] = sys.argv[3:]
+runpy.run_module("contactsnes", run_name="__main__", alter_sys=True)
+"""
+
+
+def signalled(number, *arguments, folder, points):
+    """A finished process of the command that gets a signal when it has archived some points."""
+    (folder / "signalled.py").write_text(SIGNALLED, encoding="utf-8")
+    return run(folder / "signalled.py", int(number), points, *arguments, folder=folder)
 
 
 def ends(path):
@@ -263,31 +270,30 @@ def test_stop_that_was_asked_for(tmp_path):
             and f"event         {record['event'][-1]}" in done.stdout)
 
 
-SLOW = [*SMALL, "-continuation_largest_step", "0.001,0.02", "-load_path",
+LONG = [*SMALL, "-continuation_largest_step", "0.05,0.5", "-load_path",
         "normal_displacement=1; tangential_displacement=5", "-archive_file", "run.h5"]
-"""More points than a run makes between the first ones and a signal."""
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_interrupted_run_keeps_its_points(tmp_path, number):
-    process = start("run", *SLOW, folder=tmp_path, points=2)
-    process.send_signal(number)
-    _, sentences = process.communicate()
+    """`test_faults` sends signals from elsewhere, at any moment."""
+    done = signalled(number, "run", *LONG, folder=tmp_path, points=2)
     record = reading.read(tmp_path / "run.h5")
-    assert process.returncode == 128 + number and record.points >= 2 and not record.complete
-    assert f"{record.points} points are in" in sentences and "-archive_resume goes on" in sentences
-    assert len(sentences.splitlines()) == 1
+    assert done.returncode == 128 + number and record.points >= 2 and not record.complete
+    assert f"{record.points} points are in" in done.stderr
+    assert "-archive_resume goes on" in done.stderr and len(done.stderr.splitlines()) == 1
 
 
-def test_killed_run_resumes_to_the_same_result(tmp_path):
-    process = start("run", *SLOW, folder=tmp_path, points=4)
-    process.kill()
-    process.communicate()
+@pytest.mark.parametrize("points", [4, 25])
+def test_killed_run_resumes_to_the_same_result(tmp_path, points):
+    """In the first leg, and in the second one."""
+    done = signalled(signal.SIGKILL, "run", *LONG, folder=tmp_path, points=points)
     kept = reading.read(tmp_path / "run.h5")
-    assert kept.points >= 4 and not kept.complete
-    done = call("run", *SLOW, "-archive_resume", folder=tmp_path)
+    assert done.returncode == -signal.SIGKILL and kept.points == points and not kept.complete
+    assert kept["leg"][-1] == 1 + (points > 20)
+    done = call("run", *LONG, "-archive_resume", folder=tmp_path)
     assert done.returncode == 0 and f"after point {kept.points}" in done.stdout
-    assert call("run", *SLOW, "-archive_file", "once.h5", folder=tmp_path).returncode == 0
+    assert call("run", *LONG, "-archive_file", "once.h5", folder=tmp_path).returncode == 0
     assert_same_ends(tmp_path / "run.h5", tmp_path / "once.h5")
     assert reading.read(tmp_path / "run.h5").points == reading.read(tmp_path / "once.h5").points
 
@@ -440,14 +446,12 @@ def test_a_surface_is_drawn_before_it_is_solved(tmp_path):
     assert (tmp_path / "mine-surface.png").stat().st_size > 10000
     done = call("plot", "mine.opts", folder=tmp_path)
     assert done.returncode == 2 and "a map without size" in done.stderr
-    done = call("plot", "-scene_geometry", "sphere", "-scene_dimension", "2", "-scene_points", "32",
-                folder=tmp_path)
-    assert done.stdout == "sphere-surface.png\n"
     (tmp_path / "figures").mkdir()
-    done = call("plot", "-plot_format", "svg,pdf", "mine.opts", "-scene_heights_size", "1e-4",
-                "-plot_size", "12", "-output", "figures", folder=tmp_path)
-    assert done.stdout == "figures/mine-surface.svg\nfigures/mine-surface.pdf\n", done.stderr
-    assert "<svg" in (tmp_path / "figures" / "mine-surface.svg").read_text()
+    done = call("plot", "-plot_format", "svg,pdf", "-scene_geometry", "sphere", "-scene_dimension",
+                "2", "-scene_points", "32", "-plot_size", "12", "-output", "figures",
+                folder=tmp_path)
+    assert done.stdout == "figures/sphere-surface.svg\nfigures/sphere-surface.pdf\n", done.stderr
+    assert "<svg" in (tmp_path / "figures" / "sphere-surface.svg").read_text()
     done = call("plot", "mine.opts", "-plot_fromat", "svg", folder=tmp_path)
     assert done.returncode == 2 and "did you mean -plot_format" in done.stderr
 

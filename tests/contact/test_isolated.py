@@ -288,9 +288,11 @@ def call(folder, *arguments):
     return processes.call(*arguments, folder=folder)
 
 
-@pytest.mark.parametrize("more", [[], ["-scene_dimension", "2", "-scene_geometry", "sphere"]])
-def test_archive_has_the_box_and_can_be_resumed_and_plotted(tmp_path, more):
-    words = ["run", *SMALL, *more, "-load_start", "normal_force=1", "-archive_file", "run.h5",
+@pytest.mark.parametrize("spacing, more", [
+    (0.15, []), (0.3, ["-scene_dimension", "2", "-scene_geometry", "sphere"])])
+def test_archive_has_the_box_and_can_be_resumed_and_plotted(tmp_path, spacing, more):
+    words = ["run", *SMALL, *more, "-scene_spacing", str(spacing), "-load_start",
+             "normal_force=1", "-archive_file", "run.h5",
              "-archive_fields", "all", "-load_path", "normal_force=2; normal_force=3",
              "-continuation_initial_step", "0.5", "-continuation_largest_step", "0.5"]
     done = call(tmp_path, *words)
@@ -298,13 +300,13 @@ def test_archive_has_the_box_and_can_be_resumed_and_plotted(tmp_path, more):
     with h5py.File(tmp_path / "run.h5") as file:
         scene, x = dict(file["scene"].attrs), file["fields/x"][:]
         assert np.isinf(scene["period"]).all() and np.allclose(scene["spacing"],
-                                                               0.15) and "points" not in scene
+                                                               spacing) and "points" not in scene
     record = contactsnes.read(tmp_path / "run.h5")
     traction, displacement = (record.field(name, record.points - 1)[0]
                               for name in ("traction", "displacement"))
-    assert (np.allclose(np.diff(x), 0.15) and x[len(x) // 2] == 0
+    assert (np.allclose(np.diff(x), spacing) and x[len(x) // 2] == 0
             and traction.shape == (len(x),) * traction.ndim)
-    force = -traction.sum() * 0.15 ** traction.ndim * 3.0
+    force = -traction.sum() * spacing ** traction.ndim * 3.0
     assert force == pytest.approx(3.0, rel=1e-6)
     assert np.isfinite(displacement).all()
     again = call(tmp_path, *words, "-archive_resume")

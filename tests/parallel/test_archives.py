@@ -118,7 +118,7 @@ def test_an_archive_that_is_written_in_blocks_is_the_same(fields, on, precision,
 
 @together
 @pytest.mark.parametrize("sizes, more, path", [
-    ((2, 3), (), PATH), ((3, 1), (), PATH),
+    pytest.param((2, 3), (), PATH, marks=pytest.mark.study), ((3, 1), (), PATH),
     ((2, 3), ONE_MIRROR, "normal_displacement=0; tangential_displacement_x=0.5; "
      "tangential_displacement_x=1")])
 def test_another_number_of_processes_goes_on(sizes, more, path, alone, tmp_path):
