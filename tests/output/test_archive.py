@@ -32,10 +32,7 @@ COLUMNS = {
 X = np.linspace(-5, 5, 32, endpoint=False)
 
 
-@pytest.fixture(autouse=True)
-def no_children(monkeypatch):
-    """Archives that are whole are read a thousand times here: not in a child process first."""
-    monkeypatch.setattr(files, "failure", lambda read: "")
+pytestmark = pytest.mark.usefixtures("no_children")
 
 
 @pytest.fixture(autouse=True)
