@@ -640,7 +640,7 @@ def test_two_runs_mix_no_points_in_the_journal(tmp_path, monkeypatch):
 def wait_with_points(path, monkeypatch, told):
     archive = waiting(path, monkeypatch, 3)
     told.set()
-    time.sleep(60.0)
+    time.sleep(600.0)
     archive.settle()
 
 
@@ -649,7 +649,7 @@ def test_a_run_that_goes_on_is_not_resumed(tmp_path, monkeypatch):
     told = context.Event()
     run = context.Process(target=wait_with_points, args=(path, monkeypatch, told))
     run.start()
-    assert told.wait(60.0) and read(path).points == 4
+    assert told.wait(600.0) and read(path).points == 4
     with pytest.raises(ArchiveError, match="may still be running"):
         Archive.resume(path, **fields_content("all"))
     run.kill()
@@ -814,7 +814,7 @@ def test_a_run_that_is_killed_at_random_leaves_an_archive_and_resumes(tmp_path, 
         run = context.Process(target=run_until_killed, args=(path, fields, begun.set))
         run.start()
         if number % 3:  # the others may be killed before their first point
-            assert begun.wait(60.0)
+            assert begun.wait(600.0)
         time.sleep(random.uniform(0.0, 0.04))
         os.kill(run.pid, signal.SIGKILL)
         run.join()

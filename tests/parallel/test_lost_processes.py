@@ -252,12 +252,13 @@ from types import SimpleNamespace
 from contactsnes.system import processes
 
 processes.GRACE = 0.1
-processes._end_all(SimpleNamespace(Abort=lambda status: time.sleep(60.0)), 1)
+processes._end_all(SimpleNamespace(Abort=lambda status: time.sleep(600.0)), 1)
 """
 
 
 @pytest.mark.skipif(not hasattr(signal, "alarm"), reason="no alarms here")
 def test_a_process_whose_launcher_is_gone_ends(tmp_path):
     """Open MPI waits for the launcher, which is to end the others, for ever."""
-    done = subprocess.run([sys.executable, "-c", ABORTED], cwd=tmp_path, timeout=30.0, check=False)
+    done = subprocess.run([sys.executable, "-c", ABORTED], cwd=tmp_path, timeout=300.0,
+                          check=False)
     assert done.returncode == -signal.SIGALRM
