@@ -1,5 +1,5 @@
-"""How motions end that do not come to rest: some have no end, since the body leaves or slides, or
-since friction gives and takes work, so that it has a cycle to go round in."""
+"""How motions end that do not come to rest: some have no end, since the body leaves, sinks in or
+slides, or since friction gives and takes work, so that it has a cycle to go round in."""
 
 import numpy as np
 
@@ -25,7 +25,7 @@ class Circling(Unsettled):
 
 
 class Leaving(RuntimeError):
-    """A motion without an end: the body leaves, or slides for ever."""
+    """A motion without an end: the body leaves, sinks in or slides for ever."""
 
 
 class Rounds:

@@ -5,7 +5,7 @@ from ..continuation.points import NotConverged
 from ..solvers.snes import create_snes
 from .endings import Leaving
 
-ENDLESS = "the body leaves or slides without end"
+ENDLESS = "the body leaves, sinks in or slides without end"
 """What is said of a motion without an equilibrium."""
 
 

@@ -27,7 +27,7 @@ from ..kernels import points
 from ..options.database import read
 from ..solvers import callbacks
 from ..solvers.krylov import tell_modes
-from ..solvers.leaving import slides, slides_away
+from ..solvers.leaving import is_beyond, slides, slides_away
 from ..solvers.linear import create_ksp
 from ..solvers.regularised import NewtonOptions, RegularisedStep
 from ..solvers.vectors import create_vector
@@ -255,8 +255,7 @@ class Equations:
             component, target = self.moving[place], self.target[place]
             if velocity[place] * target <= 0.0:
                 continue
-            if (component == 0 and target > 0.0
-                and grid.minimum(gap[0]) > self.form.contact.law.range):
+            if component == 0 and is_beyond(self.contact.law, grid.minimum(gap[0]), target):
                 return 0
             if component > 0 and slides_away(means[place], velocity[place]):
                 pressed = 0 in self.moving[self.pulled] and self.target[0] < 0.0

@@ -1,4 +1,5 @@
-"""When a body under prescribed forces moves for ever: pulled off, or beyond its friction."""
+"""When a body under prescribed forces moves for ever: pulled off, pressed through what slip has
+left no repulsion, or beyond its friction."""
 
 import numpy as np
 
@@ -8,13 +9,17 @@ from .waves import means
 LEVELLED = 6.0
 """Slip, in ranges, beyond which friction is what it will remain: exp(-(b - 0.7)^2) < 1e-12
 (dimensionless)."""
+SUNK = 10.0
+"""Overlap, in parts of that from which on tractions are only continued, in which nothing bears what
+still sinks."""
 
 
 def leaving(motion):
     """The force-controlled component of a motion that no traction will balance from here on, or
     None.
 
-    Normal: pulled, every node beyond the law's range, and still separating. Tangential: all nodes
+    Normal: pulled, every node beyond the law's range, and still separating; or pressed, and `SUNK`.
+    Tangential: all nodes
     within the law's range have slipped so far that friction has levelled off, below the prescribed
     force, and the body still slides on, away from where it stuck.
     """
@@ -25,13 +30,26 @@ def leaving(motion):
         target = motion.target[i]
         if velocity[i] * target <= 0.0 or force[i] * target >= 0.0:
             continue
-        if i == 0 and target > 0.0 and motion.closest() > law.range:
+        if i == 0 and is_beyond(law, motion.closest(), target):
             return 0
         if i > 0 and slides_away(displacement[i] / grid.size, velocity[i]):
             pressed = 0 in form.forced and motion.target[0] < 0.0
             if slides(law, grid, motion.gap, abs(target) * grid.size, pressed):
                 return i
     return None
+
+
+def is_beyond(law, closest, force):
+    """Whether a body is where no traction holds what a force moves: out of the law's range under a
+    pull, or pressed through the flat.
+
+    Parameters
+    ----------
+    law : Law
+    closest : float, smallest gap, ranges of the law
+    force : float, attraction positive: above 0 a pull
+    """
+    return closest > law.range if force > 0.0 else closest < SUNK * law.deepest
 
 
 def slides_away(slip, velocity):

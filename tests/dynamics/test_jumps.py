@@ -554,10 +554,24 @@ def test_a_body_that_leaves_or_slides_for_ever_is_named(path, scene, height):
                     Load(start="normal_displacement=1", path=path))
     points = []
     with pytest.raises(NoEquilibrium, match="no equilibrium .* beyond the fold .*: "
-                       "the body leaves or slides without end"):
+                       "the body leaves, sinks in or slides without end"):
         for point in branch:
             points.append(point)
     assert points[-1].event == "fold" and branch.contact.grid.transforms < 3000
+
+
+@pytest.mark.parametrize("motion", ("overdamped", "inertial"))
+@pytest.mark.parametrize("type", ("natural", "arclength"))
+def test_a_body_that_slip_has_left_no_repulsion_sinks_for_ever(options, motion, type):
+    # 30 ranges of slip: exp(-900) of the law is left, nothing at all, in whatever overlap.
+    options(jump_motion_type=motion)
+    scene = Scene(**{**LINE, "points": 64, "period": 16.0, "normal_maugis": 1.5, "law": "mcgarry",
+                     "tangential_maugis": 0.5})
+    branch = Branch(scene, Load(start="normal_displacement=0, tangential_displacement=60",
+                                path="normal_force=3"), steps=Steps(type=type))
+    with pytest.raises(NoEquilibrium, match="no equilibrium at normal_force 3.*sinks in"):
+        list(branch)
+    assert branch.contact.grid.transforms < 8000
 
 
 @pytest.mark.parametrize("force, slip", ((30.0, 1.0), (-1.0, 0.0)))
