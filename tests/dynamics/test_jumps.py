@@ -695,7 +695,7 @@ def test_inertia_that_carries_a_body_off_is_no_missing_equilibrium(jumped, optio
     np.testing.assert_allclose(point.forces, after.forces, rtol=1e-6, atol=1e-9)
     options(jump_motion_type="overdamped", jump_motion_steps=3)
     with pytest.raises(NotConverged,
-                       match="leaves .* with inertia here, but the overdamped motion .* 3 steps"):
+                       match="leaves.* with inertia here, but the overdamped motion .* 3 steps"):
         branch.corrector.settle(aside, fold.controls, fold.load, "here")
     monkeypatch.setattr(relaxing, "relaxed", leaves)
     with pytest.raises(NotConverged, match="in the relaxation before the solve"):
