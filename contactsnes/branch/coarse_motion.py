@@ -56,8 +56,8 @@ def reached(system, start, controls, load, where):
                 return corrected(system, state, controls, load)
             except NotConverged as error:
                 system.log(f"from the coarser grid's state motion goes on {where} ({error})")
-                return jumps.settle(system, state, controls, load, where)
-    return jumps.settle(system, start(system.contact), controls, load, where)
+                return jumps.settle(system, lambda: state, controls, load, where)
+    return jumps.settle(system, lambda: start(system.contact), controls, load, where)
 
 
 def corrected(system, state, controls, load, most=BESIDE):
@@ -84,7 +84,8 @@ def settle(system, state, controls, load, where, origin=None):
     Parameters
     ----------
     system : Corrector
-    state, controls, load, where, origin : as of `jumps.settle`
+    state : State
+    controls, load, where, origin : as of `jumps.settle`
     """
     point = _settled(system, state, controls, load, where, origin)
     if nearing.touches(system.contact, point.state) and system.neutral(point) == 0:

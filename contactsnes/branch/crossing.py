@@ -93,7 +93,7 @@ def _crossing(system, last, load, beyond, where):
 
 def _crossed(system, last, load, beyond, where, narrower):
     """The same on the system's own grid, with as many narrower brackets within each other."""
-    ahead = jumps.settle(system, _begun(system, last, beyond), last.controls, beyond, where,
+    ahead = jumps.settle(system, lambda: _begun(system, last, beyond), last.controls, beyond, where,
                          last.state)
 
     def told(begin, before):

@@ -45,7 +45,7 @@ WIDE = 0.1
 """The same where a `rough` motion has but slowed down and the solution is stable."""
 
 
-def settle(system, state, controls, load, where, origin=None):
+def settle(system, begin, controls, load, where, origin=None):
     """The equilibrium that motion from a state leads to at fixed load, polished by Newton.
 
     The motion is overdamped (`overdamped.OverdampedMotion`); where that cannot be followed, or
@@ -54,7 +54,8 @@ def settle(system, state, controls, load, where, origin=None):
     Parameters
     ----------
     system : Corrector
-    state, controls, load : State, and of each component
+    begin : function () -> State, which nobody has to hold during the motion
+    controls, load : of each component
     where : str, what a message says of the place
     origin : State, the equilibrium at this load from which the motion begins, if it does: works
         are known from there on, against viscosity where that is near
@@ -64,15 +65,15 @@ def settle(system, state, controls, load, where, origin=None):
     NoEquilibrium : where overdamped motion shows that the body leaves or slides without end
     NotConverged : where the motion does not settle
     """
-    if system.contact.grid.any(~np.isfinite(state.displacement)):
+    options, held = read(MotionOptions), [states.with_components(begin(), len(controls))]
+    if system.contact.grid.any(~np.isfinite(held[0].displacement)):
         raise NotConverged(
             f"the motion {where} cannot begin: its start holds NaN or infinite values")
-    options, state = read(MotionOptions), states.with_components(state, len(controls))
     system.make_room(whole=True)
     if options.type != "overdamped" or not has_modes(system.settings):
-        return inertial(system, state, controls, load, where, options)
+        return inertial(system, held[0], controls, load, where, options)
     try:
-        point = by_creep(system, state, controls, load, origin, options)
+        point = by_creep(system, held.pop(), controls, load, origin, options)
         collect()  # the motion's memory, after nothing that a process may meet alone
         return point
     except Leaving:
@@ -82,7 +83,7 @@ def settle(system, state, controls, load, where, origin=None):
     except (Unsettled, NotConverged) as error:
         failure = str(error)
     collect()
-    return _unfollowed(system, state, controls, load, where, failure)
+    return _unfollowed(system, begin(), controls, load, where, failure)
 
 
 def left(system, state, controls, load, where, origin=None):
@@ -93,9 +94,9 @@ def left(system, state, controls, load, where, origin=None):
 
     Parameters
     ----------
-    system, state, controls, load, where, origin : as of `settle`, which tells of errors
+    system, state, controls, load, where, origin : as of `settle`, of where it begins
     """
-    point = settle(system, state, controls, load, where, origin)
+    point = settle(system, lambda: state, controls, load, where, origin)
     if not math.isfinite(point.viscous_work):
         return point
     contact, jump = system.contact, states.missed(system.contact, origin, point.state)
@@ -172,9 +173,8 @@ def by_creep(system, state, controls, load, origin, options):
     system, state, controls, load, origin : as of `settle`
     options : MotionOptions
     """
-    if system.contact.grid.any(~np.isfinite(state.displacement)):
-        raise NotConverged("it cannot begin: its start holds NaN or infinite values")
     motion, way = started(system, state, controls, load, origin, options)
+    del state  # (much memory)
     point = at_rest(system, motion, controls, load)
     return summed(system.contact, motion, way, point) if motion.measured else point
 

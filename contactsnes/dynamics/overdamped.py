@@ -126,8 +126,7 @@ class OverdampedMotion:
 
     def _size_now(self, change):
         """`Equations.size` of a change where the motion is now."""
-        near = self.equations.near(self.equations.gap(self.history[-1].unknown))
-        return self.equations.size(change, near)
+        return self.equations.size(change, self.equations.near(self.history[-1].unknown))
 
     def means(self):
         """Means of the displacements over the cell now, (components,)."""
@@ -183,8 +182,8 @@ class OverdampedMotion:
         if self.measured:
             self._account(moment, step)
         change = moment.unknown - self.history[-1].unknown
-        *older, last = self.history[-2:]
-        self.history = [*(known._replace(elastic=None) for known in older), last, moment]
+        self.history = [*(known._replace(elastic=None) for known in self.history[-2:-1]),
+                        self.history[-1], moment]
         moved, self._rate = self._size_now(change), None
         self._speed = moved / step
         self.fastest = max(self.fastest, self._speed)
@@ -199,7 +198,7 @@ class OverdampedMotion:
         velocity : of the means that move
         moved : float, length of the step
         """
-        lost = self.equations.leaving(moment.unknown, self.equations.gap(moment.unknown), velocity)
+        lost = self.equations.leaving(moment.unknown, velocity)
         self._held = moment.time if lost is None else self._held
         if lost == 0 or moment.time - self._held > ENDLESS:
             raise Leaving
@@ -211,7 +210,7 @@ class OverdampedMotion:
         """Where the motion is fastest, in words."""
         equations, (before, now) = self.equations, (self.history[0], self.history[-1])
         moved = now.unknown - before.unknown if before is not now else self._rate
-        near = equations.near(equations.gap(now.unknown))
+        near = equations.near(now.unknown)
         speed = equations.unfolded(np.abs(equations.displacement(moved)) * near.mask)
         return places.largest(self.contact, equations.window, speed.max(axis=0))
 
@@ -225,17 +224,15 @@ class OverdampedMotion:
         now = history[-1]
         times = [moment.time - now.time for moment in history[-2:]]
         shift, weights = backward_formula(times, step)
-        guess = self._predicted(step)
         before = equations.spent()
-        unknown, reason = equations.newton(guess, shift, weighted(
+        unknown, reason = equations.newton(lambda: self._predicted(step), shift, weighted(
             [moment.unknown for moment in history[-2:]], weights), self._exactness)
         self.steps += 1
         for name, count in equations.spent().items():
             self.totals[name] += count - before[name]
         if reason <= 0 or self.contact.grid.any(~np.isfinite(unknown)):
             return np.inf, None
-        error, moved = self._missed(guess, unknown)
-        del guess  # its memory is that of what follows
+        error, moved = self._missed(self._predicted(step), unknown)
         self._exactness.after(error > 0.5 and moved < allowed.still, reason)
         if not error <= REFUSED:
             return error, None
@@ -248,8 +245,7 @@ class OverdampedMotion:
     def _missed(self, guess, unknown):
         """The same error of a step to an unknown, and its length; its guess is overwritten."""
         equations, now, allowed = self.equations, self.history[-1], self._control
-        share, near = 0.2 if len(self.history) > 2 else 0.5, equations.near(
-            equations.gap(now.unknown))
+        share, near = 0.2 if len(self.history) > 2 else 0.5, equations.near(now.unknown, True)
         moved = equations.size(unknown - now.unknown, near)
         aside = np.subtract(unknown, guess, out=guess)
         turned = equations.size(aside, near) / max(moved, allowed.still)

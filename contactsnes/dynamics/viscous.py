@@ -12,7 +12,6 @@ form, operator and preconditioner serve as they are.
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from petsc4py import PETSc
@@ -31,16 +30,8 @@ from ..solvers.leaving import is_beyond, slides, slides_away
 from ..solvers.linear import create_ksp
 from ..solvers.regularised import NewtonOptions, RegularisedStep
 from ..solvers.vectors import create_vector
-
-
-class Near(NamedTuple):
-    """Nodes at which changes count: 1 where the law acts, or everywhere where it does so nowhere,
-    else 0 (nodes); for how many they stand; gap and slip there over one range, at least 1
-    (components, nodes)."""
-
-    mask: np.ndarray
-    count: int
-    scale: np.ndarray
+from .changes import Near, extremes
+from .step_works import PART
 
 
 class Equations:
@@ -122,15 +113,22 @@ class Equations:
         gap = self.gap(unknown)
         return self.contact.law.evaluate(gap, gap)
 
-    def near(self, gap):
-        """`Near` of a gap (components, nodes of the equations)."""
-        grid, mask = self.form.grid, gap[0] < NEAR
-        mask = mask if grid.any(mask) else np.ones_like(mask)
-        scale = np.maximum(gap, 1.0)
-        if len(gap) > 1:
-            slip = slip_of(gap)
-            np.maximum(slip, 1.0, out=scale[1:])
-        return Near(mask.astype(float), grid.count(mask), scale)
+    def near(self, unknown, relative=False):
+        """`Near` of an unknown; its scale, much memory, only where changes are told ``relative``
+        to gap and slip."""
+        form, scale = self.form, None
+        gap = unknown[:form.nodes] * form.root
+        gap += form.initial_gap
+        mask = gap < NEAR
+        del gap
+        mask = mask if form.grid.any(mask) else np.ones_like(mask)
+        if relative:
+            scale = self.gap(unknown)
+            slip = slip_of(scale) if len(scale) > 1 else None
+            np.maximum(scale[0], 1.0, out=scale[0])
+            if slip is not None:
+                np.maximum(slip, 1.0, out=scale[1:])
+        return Near(mask.astype(float), form.grid.count(mask), scale)
 
     def rim_gap(self, gap):
         """Smallest normal gap on the border of the window; inf where it has none."""
@@ -151,16 +149,16 @@ class Equations:
         return field.reshape(-1) / self.form.root
 
     def _pull(self, means, traction):
-        """m' from the means that move and the mean tractions."""
+        """m' from the means that move and the mean tractions that pull them."""
         held = self.stiffness * (means - self.far[self.moving])
-        return -(held + traction[self.moving] - self.target) / self.mass
+        return -(held + traction - self.target) / self.mass
 
     def imbalance(self, unknown):
         """w + C t as the first part of an unknown, and m'."""
         form, count = self.form, self.form.count
         residual = form.residual(unknown, np.empty(form.size))
-        mean = self.mean(self.traction(unknown))
-        return residual[:count] + self._spread(self.inner * mean[self.moving]), self._pull(
+        mean = self._total(residual) / self.contact.grid.size
+        return residual[:count] + self._spread(self.inner * mean), self._pull(
             form.scalars(unknown), mean)
 
     def rate(self, unknown):
@@ -168,25 +166,28 @@ class Equations:
         field, means = self.imbalance(unknown)
         return np.append(self._spread(means) - field, self.form.grid.held(means))
 
-    def newton(self, guess, shift, known, exactness):
+    def newton(self, foretold, shift, known, exactness):
         """x from ``shift`` x - ``known`` = x' by one Newton iteration from a guess, and PETSc's
         reason why its linear solve ended.
 
         Parameters
         ----------
-        guess, known : arrays of the form's size, unknowns
+        foretold : function () -> array of the form's size, the guess: made anew after the linear
+            solve, which takes much memory
         shift : float > 0, per unit of time
+        known : array of the form's size, an unknown
         exactness : Exactness of its linear solve, unless -jump_ksp_rtol gives one
         """
         form, ksp, count = self.form, self.ksp, self.form.count
-        self._linearise(guess, shift, known)
-        del known, form.work  # their memory is that of the linear solve
+        self._linearise(foretold(), shift, known)
+        del known  # its memory is that of the linear solve, as is the form's own
+        vars(form).pop("work", None)
         self.matrix.assemble()
         part = exactness.part if self._part is None else self._part
         ksp.setTolerances(rtol=part, atol=exactness.left / (1.0 + shift))
         callbacks.solve(ksp, (self._right, self._step))
         self._iterations += ksp.getIterationNumber()
-        step = self._step.getArray()
+        step, guess = self._step.getArray(), foretold()
         response = np.zeros(len(self.moving))
         if self.inner.any():
             response = self.response(form.stiffen(form.displacement(step), form.work))
@@ -195,33 +196,38 @@ class Equations:
             self._regularised(begin, self._step)
             begin.destroy()  # at once: older petsc4py does so late
         step[count:] += form.grid.held(response)
-        return guess - step, ksp.getConvergedReason()
+        return np.subtract(guess, step, out=guess), ksp.getConvergedReason()
 
     def _linearise(self, guess, shift, known):
-        """Take the tangent of a step's system at a guess, and its right side, from one evaluation
-        of the law; parameters as of `newton`."""
+        """Take the tangent of a step's system at a guess, and its right side: no memory but theirs;
+        parameters as of `newton`."""
         form, count, moving = self.form, self.form.count, self.moving
-        scale, work = 1.0 + shift, form.gap(guess)
-        self.contact.law.evaluate(work, work, form.tangent)
-        form.count_evaluation()
-        traction = self.mean(work)
-        form.convolution.apply(work, work)
+        scale, right = 1.0 + shift, self._right.getArray()
+        form.residual(guess, right)
+        traction = self._total(right) / self.contact.grid.size
+        form.linearise(guess)
         form.tangent /= scale
         means, before = form.scalars(guess), form.scalars(known)
         # A mean that moves with the body's response to it: x stands for m less that response.
         share = 1.0 + shift * self.inner * self.mass / scale
         drag = self.contact.grid.size * self.mass / scale / share
         form.drag[moving] = drag * (shift + self.stiffness / self.mass)
-        shifts = form.rigid_compliance * traction - self.far
-        shifts[moving] = self.inner * traction[moving] + before - scale * means
-        work += shifts[:, None]
-        right = self._right.getArray()
-        field = right[:count]
-        np.multiply(work.reshape(-1), 1.0 / (form.root * scale), out=field)
-        field += guess[:count]
-        field -= known[:count] / scale
+        field, own = right[:count], guess[:count]
+        field -= known[:count]
+        field /= scale
+        for first in range(0, count, PART):
+            field[first:first + PART] += shift / scale * own[first:first + PART]
+        aside = (self.inner * traction + before - shift * means) / (form.root * scale)
+        for place, way in zip(moving, aside):
+            field.reshape(form.shape)[place] += way
         right[count:] = form.grid.held(form.row_scale[moving] * drag * (
             shift * means - before - self._pull(means, traction)))
+
+    def _total(self, residual):
+        """Sums over the cell of the tractions that pull means that move, by their rows of a
+        residual."""
+        form, moving = self.form, self.moving
+        return (form.scalars(residual) + form.row_target[moving]) / form.row_scale[moving]
 
     def size(self, change, near, relative=False):
         """How large a change of the unknown is at nodes, ranges: root mean square, or a third of
@@ -235,19 +241,18 @@ class Equations:
         """
         grid, scale = self.form.grid, near.scale if relative else None
         weights = getattr(grid, "weights", None)
-        told = points.extremes if self.contact.kernels.compiled else _extremes
+        told = points.extremes if self.contact.kernels.compiled else extremes
         largest, squares = told(self.form.shape, change, self.form.root, near.mask, scale, weights)
         mean = float(grid.together(squares)) / (self.form.components * near.count)
         return max(math.sqrt(mean), float(grid.largest(largest)) / 3.0)
 
-    def leaving(self, unknown, gap, velocity):
+    def leaving(self, unknown, velocity):
         """The component that is pulled and that no traction will balance as it is, or None. (What
         slides back may be held where it once stuck.)
 
         Parameters
         ----------
         unknown : array of the form's size
-        gap : array (components, nodes of the equations), ranges of the law
         velocity : of the means that move
         """
         grid, means = self.form.grid, self.form.scalars(unknown)
@@ -255,6 +260,7 @@ class Equations:
             component, target = self.moving[place], self.target[place]
             if velocity[place] * target <= 0.0:
                 continue
+            gap = self.gap(unknown)
             if component == 0 and is_beyond(self.contact.law, grid.minimum(gap[0]), target):
                 return 0
             if component > 0 and slides_away(means[place], velocity[place]):
@@ -285,14 +291,3 @@ def backward_formula(times, step):
     ratio = -step / times[0]
     return (1.0 + 2.0 * ratio) / (1.0 + ratio) / step, [-ratio ** 2 / (1.0 + ratio) / step,
                                                         (1.0 + ratio) / step]
-
-
-def _extremes(shape, change, root, counts, scale, weights):
-    """As `kernels.points.extremes`."""
-    field = np.abs(change[:math.prod(shape)].reshape(shape) * root)
-    field *= counts
-    if scale is not None:
-        field /= scale
-    largest = np.max(field, initial=0.0)
-    squares = np.square(field, out=field).sum(axis=0)
-    return largest, np.sum(squares) if weights is None else squares @ weights

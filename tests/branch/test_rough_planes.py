@@ -353,7 +353,7 @@ def test_a_motion_has_the_memory_of_a_large_form(heights, tmp_path, monkeypatch)
     for large in (True, False):
         monkeypatch.setattr(krylov, "LARGE", 1000 if large else 10 ** 6)
         held, ended = [], []
-        end = jumps.settle(system, begin.state, controls, load + 0.01, "there")
+        end = jumps.settle(system, lambda: begin.state, controls, load + 0.01, "there")
         assert held == [large] * 5 and end.residual_norm <= 1e-8
         found.append((end.state.displacement, ended[-1].steps))
     np.testing.assert_array_equal(*(displacement for displacement, _ in found))

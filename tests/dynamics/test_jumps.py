@@ -446,7 +446,7 @@ def test_friction_may_keep_a_motion_up_for_ever():
     branch = Branch(scene, Load("normal_displacement=0", "tangential_displacement_x=1"))
     rest = next(iter(branch)).state
     with pytest.raises(NotConverged, match="come to rest: it goes round and round") as told:
-        jumps.settle(branch.corrector, rest, (D,) * 3, np.array([0.0, 0.5, 0.0]), "here")
+        jumps.settle(branch.corrector, lambda: rest, (D,) * 3, np.array([0.0, 0.5, 0.0]), "here")
     (period,) = re.findall(r"every ([\d.]+) relaxation times", str(told.value))
     assert float(period) == pytest.approx(124.5, rel=0.02)
 
@@ -723,7 +723,7 @@ def test_a_motion_that_is_not_followed_gives_way_to_inertia(options, jumped):
 def test_steps_that_fail_are_named():
     contact = Contact(Scene(**LINE))
     motion = flow(contact, (D,), (1.0,), lifted(contact, (D,), (1.0,), 0.0))
-    motion.equations.newton = lambda guess, *_: (np.full_like(guess, np.nan), True)
+    motion.equations.newton = lambda foretold, *_: (np.full_like(foretold(), np.nan), True)
     with pytest.raises(Unsettled, match="too short"):
         motion.follow()
 

@@ -23,7 +23,7 @@ from contactsnes.contact import (
 from contactsnes.contact.even_form import EvenForm
 from contactsnes.contact.forms import DisplacementForm
 from contactsnes.continuation.points import Point
-from contactsnes.dynamics import viscous
+from contactsnes.dynamics import changes
 from contactsnes.grid import contours
 from contactsnes.grid import splines as grid_splines
 from contactsnes.grid.alternation import alternation, differences
@@ -559,7 +559,7 @@ def test_extremes_of_a_change(components):
     for each in (None, numbers.uniform(size=nodes)):
         for own in (None, scale):
             given = (components, nodes), change, 0.3, counts, own, each
-            np.testing.assert_allclose(points.extremes(*given), viscous._extremes(*given),
+            np.testing.assert_allclose(points.extremes(*given), changes.extremes(*given),
                                        rtol=1e-13)
 
 

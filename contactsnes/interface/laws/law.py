@@ -30,7 +30,7 @@ def softening(tangent):
 
 def slip_of(gap):
     """Size of the slip (nodes) of gaps (components, nodes), two components at least."""
-    return np.abs(gap[1]) if len(gap) == 2 else np.linalg.norm(gap[1:], axis=0)
+    return np.abs(gap[1]) if len(gap) == 2 else np.sqrt(np.square(gap[1:]).sum(axis=0))
 
 
 class Law(Declared):
