@@ -273,14 +273,18 @@ int iterate(Form *f, Zone *z, long place, long size, void *const *rows, double *
     return 0;
 }
 
-/* A vector's numbers in single precision, one after another, where another vector is, or the same. */
-void narrowed(long size, const double *vector, double *out)
+/* A vector's numbers in single precision, one after another: in the vector's own memory from its begin or its
+   middle on, or in any other. */
+void narrowed(long size, const double *vector, float *out)
 {
     float piece[PIECE];
-    for (long from = 0; from < size; from += PIECE) {
+    const long count = (size + PIECE - 1) / PIECE;
+    for (long k = 0; k < count; k++) {
+        /* behind the begin, from the last one on: they take the place of those that are done */
+        const long from = (out > (const float *)vector ? count - 1 - k : k) * PIECE;
         const long n = size - from < PIECE ? size - from : PIECE;
         narrow(vector + from, piece, n);
-        memcpy((float *)out + from, piece, n * sizeof *piece);
+        memcpy(out + from, piece, n * sizeof *piece);
     }
 }
 

@@ -75,13 +75,15 @@ class Iterations:
     """Iterations of a cycle of GMRES whose vectors are in single precision throughout, each one
     call of the library, by a form's operator and its preconditioner.
 
+    Both vectors that they work in are halves of one in double precision.
+
     Parameters
     ----------
     kernel : CompiledForm that `steps_alone`
     zone : with the ``reference`` of its preconditioner in the library
     choose : function that has both in the precision that the solve is in now
     begin : array, what the cycle begins with
-    vectors : arrays to work in, the first of which may be that
+    room : array to work in, which may be that, and which `end` fills
     space : Basis in single precision, or `Short`
     made : Basis of what the preconditioner made of its rows, or None
     patches : OnTwoGrids that are the preconditioner as it is now, of which ``made`` holds what
@@ -91,14 +93,14 @@ class Iterations:
     applied : what is called when the preconditioner was applied, or None
     """
 
-    def __init__(self, kernel, zone, choose, begin, vectors, space, made, patches, orthogonality,
+    def __init__(self, kernel, zone, choose, begin, room, space, made, patches, orthogonality,
                  left, applied=None):
         self._kernel, self._zone, self._counter = kernel, zone, kernel.grid.counter
         self._choose, self._applied = choose, applied
-        self._vectors, self._bases = vectors, (space, made)
+        self._vectors, self._bases = (room.view(np.float32)[len(room):], room), (space, made)
         self._patches, self._stood = patches, 0
         self._orthogonality, self._left = orthogonality, left
-        shared().narrowed(len(begin), address(begin), address(vectors[0]))
+        shared().narrowed(len(begin), address(begin), address(self._vectors[0]))
 
     def __call__(self, place, factor):
         """Take the vector times a factor as row number ``place``, and go on with what the rows
@@ -128,7 +130,7 @@ class Iterations:
         return room[0]
 
     def end(self, factors):
-        """Fill the second vector, in double precision, with what is added to the solution.
+        """Fill the room, in double precision, with what is added to the solution.
 
         Parameters
         ----------

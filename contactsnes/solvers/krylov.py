@@ -81,8 +81,7 @@ def tell_modes(ksp, tells):
 
 
 def is_ours(pc):
-    """Whether a preconditioner is the form's own: the same linear function throughout a solve, as a
-    user's, which may be a solver, need not be."""
+    """Whether a preconditioner is the form's own, the same linear function throughout a solve."""
     return pc.getType() == "shell" or (pc.getType() == "python"
                                        and getattr(pc.getPythonContext(), "is_ours", False))
 
@@ -90,12 +89,7 @@ def is_ours(pc):
 def in_library(operator, pc):
     """Of a form's operator and its own preconditioner what makes iterations in the library: (its
     form there, zone, function that chooses their precision, what is to be called when the
-    preconditioner was applied, or None); None of others.
-
-    Parameters
-    ----------
-    operator, pc : petsc4py Mat and PC
-    """
+    preconditioner was applied, or None); None of others."""
     context = pc.getPythonContext() if pc.getType() == "python" else None
     if hasattr(context, "in_library"):
         form = form_of(operator)
@@ -150,8 +144,8 @@ class GMRES:
 
     def setFromOptions(self, ksp):
         """Read -ksp_gmres_restart, and ask for the side and the norm that are ours."""
-        self._restart = PETSc.Options(ksp.getOptionsPrefix() or "").getInt("ksp_gmres_restart",
-                                                                          PATIENCE)
+        database = PETSc.Options(ksp.getOptionsPrefix() or "")
+        self._restart = database.getInt("ksp_gmres_restart", PATIENCE)
         ksp.setPCSide(PETSc.PC.Side.RIGHT)
 
     def release(self):
@@ -178,11 +172,9 @@ class GMRES:
         ksp : petsc4py KSP
         b, x : petsc4py Vec; x is filled, or what the solve begins with
         """
-        vector, again = self.idle or b.duplicate(), ksp.getInitialGuessNonzero()
-        begin = vector if again else b
-        if again:
-            ksp.getOperators()[0].mult(x, vector)
-            vector.aypx(-1.0, b)
+        again = ksp.getInitialGuessNonzero()
+        residual = self._residual(ksp, b, x, None) if again else None
+        begin = residual or b
         relative, absolute = ksp.getTolerances()[:2]
         aim, size = max(relative * b.norm(), absolute), begin.norm()
         ksp.setIterationNumber(0)
@@ -192,24 +184,31 @@ class GMRES:
         many = b.getSize() >= WIDE
         parts = many and not self.tells and aim < ROUNDED * size
         while not ksp.getConvergedReason():
+            kind, before = Short if parts else _kind(aim, size, many), size
             # what is not known of the solution yet is room to work in
-            work, before = b.duplicate() if again else x, size
-            kind = Short if parts else _kind(aim, size, many)
-            iterations = self._iterations(ksp, begin, (vector, work), kind)
+            iterations, found, residual = self._iterations(ksp, begin, None if again else x,
+                                                           residual, kind)
             self._cycle(ksp, iterations, size, ROUNDED * size if parts else 0.0)
             iterations.end(self.triangle.factors())
             del iterations  # with it PETSc has its vectors back
             if again:
-                x.axpy(1.0, work)
-                work.destroy()  # at once: older petsc4py does so late
-            begin, again = vector, True
+                x.axpy(1.0, found)
+            if again and found is not residual:
+                found.destroy()  # at once: older petsc4py does so late
+            again = True
             if not ksp.getConvergedReason():
-                ksp.getOperators()[0].mult(x, vector)
-                vector.aypx(-1.0, b)
-                size = vector.norm()
+                begin = residual = self._residual(ksp, b, x, residual)
+                size = begin.norm()
                 parts = parts and size < FELL * before
-        if vector is not self.idle:
-            vector.destroy()
+        if residual and residual is not self.idle:
+            residual.destroy()
+
+    def _residual(self, ksp, b, x, vector):
+        """What x leaves of b, in a vector; None: in the one that is idle, or a new one."""
+        vector = vector or self.idle or b.duplicate()
+        ksp.getOperators()[0].mult(x, vector)
+        vector.aypx(-1.0, b)
+        return vector
 
     def ritz_values(self):
         """Ritz values of the last cycle, none of no solve."""
@@ -273,25 +272,26 @@ class GMRES:
             if size == 0.0 and not ksp.getConvergedReason():
                 ksp.setConvergedReason(PETSc.KSP.ConvergedReason.DIVERGED_BREAKDOWN)
 
-    def _iterations(self, ksp, begin, vectors, kind):
-        """What makes the iterations of a cycle: the library, or PETSc.
+    def _iterations(self, ksp, begin, room, residual, kind):
+        """What makes the iterations of a cycle, the library or PETSc; the Vec that it fills at
+        last, and the one of residuals, if it takes one.
 
         Parameters
         ----------
-        ksp : petsc4py KSP
-        begin : Vec, the residual
-        vectors : (Vec, Vec) to work in, the first of which may be that; the second is filled
+        ksp, begin : petsc4py KSP, and Vec of the residual
+        room, residual : Vec to work in and fill, and that of residuals, or None
         kind : class of the rows, None in double precision
         """
         operator, pc = ksp.getOperators()[0], ksp.getPC()
         own = in_library(operator, pc) if kind else None
         alone = own and compiled.steps_alone(own[0])
         patches = own[1].patches if alone else None
-        bases = self._bases(kind, pc, len(vectors[0].getArray(readonly=True)), patches)
+        bases = self._bases(kind, pc, len(begin.getArray(readonly=True)), patches)
         if not alone:
-            return Iterations(operator, pc, begin, vectors, *bases)
-        arrays = [vector.getArray() for vector in vectors]
-        given = arrays[0] if begin is vectors[0] else begin.getArray(readonly=True)
-        *own, applied = own
-        return compiled.Iterations(*own, given, arrays, *bases, patches,
-                                   Orthogonality(bases[0].kind), LEFT, applied)
+            residual, room = residual or self.idle or begin.duplicate(), room or begin.duplicate()
+            return Iterations(operator, pc, begin, (residual, room), *bases), room, residual
+        room = room or residual
+        array, (*own, applied) = room.getArray(), own
+        given = array if begin is room else begin.getArray(readonly=True)
+        return compiled.Iterations(*own, given, array, *bases, patches,
+                                   Orthogonality(bases[0].kind), LEFT, applied), room, residual

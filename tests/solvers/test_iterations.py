@@ -130,8 +130,11 @@ def test_those_of_another_preconditioner_are_petscs(monkeypatch, options):
     assert len(solved(form, ksp, right, 1e-2)[1]) > 2
 
 
-def test_vectors_become_single_in_place():
+@pytest.mark.parametrize("behind", [0, 1])
+def test_vectors_become_single_in_place(behind):
+    """From their memory's begin on, and from its middle."""
     given = np.random.default_rng(3).normal(size=2500)
     vector = given.copy()
-    library.shared().narrowed(len(vector), *2 * [vector.ctypes.data])
-    np.testing.assert_array_equal(vector.view(np.float32)[:2500], given.astype(np.float32))
+    half = vector.view(np.float32)[2500 * behind:][:2500]
+    library.shared().narrowed(len(vector), vector.ctypes.data, half.ctypes.data)
+    np.testing.assert_array_equal(half, given.astype(np.float32))
