@@ -125,6 +125,8 @@ class Tracer(Corrector, Neighbours, Ends):
         """
         form, arc, snes, unknown = self._on_chord(chord, 0.0, point.state, point.position, leg)
         arc.linearise(unknown)
+        del unknown  # its memory, and the anchor's, is that of the linear solve
+        arc.release("anchor")
         change = self._linear(snes, arc, lambda right: np.copyto(
             right, arc.joined(np.zeros(form.size), 1.0)), LED if self.leads else EXACT)
         own, rate = arc.inner(change), float(arc.position(change))
@@ -233,6 +235,8 @@ class Tracer(Corrector, Neighbours, Ends):
         state = self.fitted(guess) if own else states.fitted(self.contact, guess)
         form = (self.bare_form(state, leg.controls) if own
                 else DisplacementForm(self.contact, state.window, leg.controls))
+        if self.arc is not None and self.arc[0].tangent is not None:
+            self.arc[0].release("anchor", "tangent")  # others take their memory
         none = np.zeros(len(form.forced))
         row, way = states.chord(self.contact, *chord, form.window)
         row = form.pack(row, none)

@@ -62,6 +62,14 @@ class ArcLength:
         if vars(self).get("kernel"):
             self.kernel.aim(self)
 
+    def release(self, *names):
+        """Give back arrays that `aim` has taken, before it takes others, or what a product does not
+        ask for."""
+        for name in names:
+            setattr(self, name, None)
+        if vars(self).get("kernel"):
+            self.kernel.release(*names)
+
     @property
     def evaluations(self):
         """Number of residuals evaluated so far."""

@@ -34,7 +34,7 @@ def moved(contact, first, last):
     """
     window = max(first.window, last.window, key=lambda window: window.total)
     change, near = way(contact, first, last, window)
-    far = np.linalg.norm(change, axis=0) * near
+    far = np.sqrt(np.square(change, out=change).sum(axis=0)) * near
     return (f"{contact.grid.count(far > MOVED)} nodes move by more than {MOVED:g} ranges of the "
             f"law, the farthest, {largest(contact, window, far)}, by "
             f"{contact.grid.maximum(far):.3g}")

@@ -42,6 +42,8 @@ class FoldSearch:
     history : list of (position in the leg, Point), oldest first
     """
 
+    behind = BEHIND
+
     def __init__(self, system, leg, history):
         self.system = system
         self.leg = leg
@@ -66,7 +68,7 @@ class FoldSearch:
                 length = self._shorter(length, first, f"{error}; following the branch by arc "
                                        f"length failed too, so that no fold was located: {second}")
                 continue
-            trail = [*trail[-BEHIND:], (point.position, point)]
+            trail = [*trail[-self.behind:], (point.position, point)]
             slope = self._slopes(trail[-3:])[1]
             steady = slope[2] > STEADY * slope[1]
             if slope[2] <= 0.0:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from . import departures
-from .folds import BEHIND, SHARE, SHORT, FoldSearch
+from .folds import SHARE, SHORT, FoldSearch
 from .points import NotConverged, lagrange_weights
 
 BRACKET = 0.25
@@ -21,6 +21,9 @@ MOST = 9
 """Places of a way at which the branch is solved for at most."""
 TRIES = 3
 """Places next to a fold, or behind it, that are tried."""
+BEHIND = 3
+"""Points behind a step along the arc that are kept: a parabola takes these, and no limit point is
+located between earlier ones."""
 ABOVE = 0.7
 """Part of a fall of the load above whose low a point before the fold has to be: behind the fold is
 less energy there, and the fold is near."""
@@ -190,6 +193,8 @@ class TurnSearch(FoldSearch):
     before, known to the peak of the parabola through the three points around it. Parameters as of
     `FoldSearch`."""
 
+    behind = BEHIND
+
     def search(self, error, refused=np.inf):
         """As of `FoldSearch`; where the branch goes on past the refused step, so do steps of the
         load."""
@@ -205,7 +210,7 @@ class TurnSearch(FoldSearch):
     def _locate(self, trail):
         """Fold, state beyond it, and trail up to it, as of `FoldSearch`; the first two are None
         where the load rises on."""
-        trail = self._bracketed(trail, BEHIND)
+        trail = self._bracketed(trail, self.behind)
         if trail[-1][0] >= trail[-2][0]:
             return None, None, trail
         if self._returns(trail):

@@ -41,6 +41,12 @@ class CompiledArc:
         for name, array in self._given.items():
             setattr(own, name, address(array))
 
+    def release(self, *names):
+        """Give back arrays of these names, which an arc has released."""
+        for name in names:
+            self._given.pop(name, None)
+            setattr(self.structure, name, None)
+
     def residual(self, unknown, out):
         """F of the form and of the arc length."""
         call(self.kernel.library.arc_residual, self.kernel.grid.counter, self.kernel.reference,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from test_continuation import UNIT_LEG, System, cubic, curve, cusp
 
-from contactsnes.continuation.folds import BEHIND, FoldSearch
+from contactsnes.continuation.folds import FoldSearch
 from contactsnes.continuation.points import Leg, NotConverged
 from contactsnes.continuation.turning import TurnSearch, sides, way
 
@@ -154,4 +154,4 @@ def test_a_search_keeps_a_few_states_however_long_it_takes(kind, more):
     finally:
         gc.enable()
     assert fold.state[0] == pytest.approx(-1.0 / np.sqrt(3.0), abs=0.01) and beyond[0] > -0.5774
-    assert len(alive) > 2 * BEHIND + more >= max(alive)
+    assert len(alive) > 2 * kind.behind + more >= max(alive)
