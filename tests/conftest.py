@@ -45,15 +45,6 @@ def kept_options():
     install(before)
 
 
-@pytest.fixture
-def no_children(monkeypatch):
-    """Archives that are whole are read many times: not in a child process first, a fork of one that
-    holds all tests."""
-    from contactsnes.output import files
-
-    monkeypatch.setattr(files, "failure", lambda read: "")
-
-
 @pytest.fixture(scope="session")
 def self_affine():
     """A function that makes self-affine periodic heights, the same waves on every grid."""

@@ -3,6 +3,7 @@ its works balance."""
 
 import gc
 import re
+import tracemalloc
 
 import numpy as np
 import petsc4py
@@ -21,6 +22,7 @@ from contactsnes.dynamics.control import Exactness
 from contactsnes.dynamics.endings import Leaving, Rounds, Unsettled
 from contactsnes.dynamics.overdamped import Moment, MotionOptions, OverdampedMotion
 from contactsnes.grid.counter import weighed
+from contactsnes.kernels import library
 from contactsnes.solvers.capabilities import NEWTON
 from contactsnes.solvers.regularised import RegularisedStep
 
@@ -131,6 +133,29 @@ def test_the_motion_is_that_of_its_equations(changes, controls, load, by, slip, 
         apart.append(worst)
     # Steps of second order: the error of a moment falls as the tolerance to the power 2/3.
     assert apart[0] < 0.2 and apart[1] < 0.3 * apart[0], apart
+
+
+@pytest.mark.skipif(library.reason() is not None, reason="no compiled library")
+def test_a_step_of_a_motion_takes_few_arrays_besides_its_solve():
+    """Of three components: the guess, while the system is made, and again for what the step leads
+    to; not the spectra that a product of all waves at once would take, nor a gap."""
+    contact = Contact(Scene(dimension=2, geometry="flat", points=96, period=12.0,
+                            height=float("inf"), normal_maugis=2.0, tangential_maugis=1.0))
+    controls, load = (D, D, D), (1.0, 0.2, 0.0)
+    motion = flow(contact, controls, load, lifted(contact, controls, load, 0.5, 0.1), even=False)
+    equations, unknown = motion.equations, motion.history[-1].unknown
+
+    def step():
+        return equations.newton(lambda: unknown.copy(), 2.0, 1.5 * unknown, Exactness(0.1, 1e-6))[0]
+
+    step()  # what the first one makes is kept
+    tracemalloc.start()
+    try:
+        found = step()
+        most = tracemalloc.get_traced_memory()[1] / found.nbytes
+    finally:
+        tracemalloc.stop()
+    assert most < 3.2 and "spectrum" not in vars(equations.form.convolution.transform)
 
 
 # Where jumps end

@@ -100,11 +100,9 @@ def same_way(one, other, name, masses="fourier", steps=200):
 
 
 @pytest.mark.skipif(not COMPILED, reason=str(library.reason()))
-@pytest.mark.parametrize("name, even", [
-    *product([*SCENES, *COUPLED], (False,)), ("plane", True),
-    *(pytest.param(name, True, marks=pytest.mark.study) for name in SCENES if name != "plane")])
+@pytest.mark.parametrize("name, even", [*product(SCENES, (False, True)),
+                                        *product(COUPLED, (False,))])
 def test_compiled_motion_is_numpys(name, even):
-    """Of half the nodes, too, as follows from the test below, which compares each with all."""
     for method in METHODS:
         same_way(started(name, False, even), started(name, True, even), method)
 

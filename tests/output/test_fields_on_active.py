@@ -18,8 +18,6 @@ from contactsnes.output.reading import read  # noqa: E402
 from contactsnes.scene.load import Load  # noqa: E402
 from contactsnes.scene.settings import Scene, Steps  # noqa: E402
 
-pytestmark = pytest.mark.usefixtures("no_children")
-
 PLANE = {"dimension": 2, "geometry": "sphere", "normal_maugis": 2.0, "points": 32, "period": 12.0}
 LINE = {"normal_maugis": 3.0, "points": 256, "period": 40.0}
 SI = {"units": "si", "work_of_adhesion_normal": 0.03, "work_of_adhesion_tangential": 0.03,

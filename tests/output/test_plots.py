@@ -38,8 +38,6 @@ from contactsnes.output.figures.plot import plot
 from contactsnes.output.files import ArchiveError
 from contactsnes.output.prefixes import read
 
-pytestmark = pytest.mark.usefixtures("no_children")
-
 EVENTS = ("none", "fold", "jump", "gross_sliding", "pull_off", "bifurcation")
 LENGTH, RANGE = 100.0, 0.1  # period of the cell, range of the law
 

@@ -22,8 +22,6 @@ from contactsnes.output.files import ArchiveError
 from contactsnes.output.prefixes import read
 from contactsnes.output.report import certificates, curves, words
 
-pytestmark = pytest.mark.usefixtures("no_children")
-
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 EVENTS = ("none", "fold", "jump", "gross_sliding")
 COUNT = 12

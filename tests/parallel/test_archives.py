@@ -3,7 +3,7 @@
 import h5py
 import numpy as np
 import pytest
-from ranks import command, program, together
+from ranks import SIZES, command, program, together
 
 from contactsnes.output.reading import read
 
@@ -65,8 +65,7 @@ def differences(first, second, most=1e-8):
 
 
 @together
-@pytest.mark.parametrize("size, on", [
-    (2, "cell"), pytest.param(3, "active", marks=pytest.mark.study)])
+@pytest.mark.parametrize("size, on", [*zip(SIZES, ["cell", "active"])])
 def test_an_archive_is_that_of_one_process(size, on, alone, tmp_path):
     done = command(size, "run", *words_of(on=on), folder=tmp_path)
     assert done.returncode == 0, done

@@ -392,8 +392,8 @@ COMPILED = pytest.mark.skipif(library.reason() is not None, reason=str(library.r
 
 @together
 @pytest.mark.parametrize("size, program", [
-    pytest.param(4, FIELDS, id="4-fields"),  # one of two with all rows: test_idle_processes
-    *(pytest.param(size, FIELDS, id=f"{size}-fields", marks=pytest.mark.study) for size in (1, 2)),
+    *(pytest.param(size, FIELDS, id=f"{size}-fields") for size in (1, 4)),
+    pytest.param(2, FIELDS, id="2-fields", marks=pytest.mark.study),
     pytest.param(3, FORMS, id="3-forms", marks=COMPILED)])
 def test_even_fields_and_forms_of_several_processes_are_those_of_one(size, program, tmp_path):
     say(size, program, tmp_path)
@@ -430,7 +430,6 @@ def test_even_branches_take_the_steps_and_costs_of_one_process(size, alone, tmp_
     assert "jump" in events(alone["pull-off"]) and "fold" in events(alone["arc length"])
 
 
-@pytest.mark.study  # test_idle_processes has two, one of which has none
 @together
 def test_processes_that_have_no_rows_of_a_contact_do_no_harm(tmp_path):
     one, seven = found(1, MANY, tmp_path), found(7, MANY, tmp_path)  # of nine rows

@@ -7,7 +7,7 @@ import pytest
 import test_even_slabs
 import test_shared_forms
 import test_slabs
-from ranks import command, found, program, say, together
+from ranks import command, program, say, together
 from test_archives import differences
 
 from contactsnes.kernels import library
@@ -55,15 +55,6 @@ compiled = pytest.mark.skipif(library.reason() is not None, reason=str(library.r
     pytest.param(test_shared_forms.PROGRAM, id="forms", marks=compiled)])
 def test_fields_are_those_of_one_process(text, tmp_path):
     say(2, IDLE + text, tmp_path)
-
-
-@together
-def test_an_even_branch_is_that_of_one_process(tmp_path):
-    one, two = (found(size, text, tmp_path) for size, text in (
-        (1, test_even_slabs.MANY), (2, IDLE + test_even_slabs.MANY)))
-    assert len(one) > 1
-    for alone, shared in zip(one, two, strict=True):
-        assert alone[:2] == shared[:2] and alone[2] == pytest.approx(shared[2], rel=1e-7)
 
 
 @together

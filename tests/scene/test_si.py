@@ -26,8 +26,6 @@ from contactsnes.scene import units as si  # noqa: E402
 from contactsnes.scene.load import Load  # noqa: E402
 from contactsnes.scene.settings import Scene, Steps, attributes  # noqa: E402
 
-pytestmark = pytest.mark.usefixtures("no_children")
-
 ROOT = Path(__file__).resolve().parents[2]
 PHI_N = 0.03
 PHI_T = 0.07
