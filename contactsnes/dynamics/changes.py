@@ -17,7 +17,12 @@ class Near(NamedTuple):
 
 
 def extremes(shape, change, root, counts, scale, weights):
-    """As `kernels.points.extremes`."""
+    """As `kernels.points.extremes`.
+
+    Parameters
+    ----------
+    shape, change, root, counts, scale, weights : as of that
+    """
     field = np.abs(change[:math.prod(shape)].reshape(shape) * root)
     field *= counts
     if scale is not None:
