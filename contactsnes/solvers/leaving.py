@@ -19,9 +19,8 @@ def leaving(motion):
     None.
 
     Normal: pulled, every node beyond the law's range, and still separating; or pressed, and `SUNK`.
-    Tangential: all nodes
-    within the law's range have slipped so far that friction has levelled off, below the prescribed
-    force, and the body still slides on, away from where it stuck.
+    Tangential: all nodes within the law's range have slipped so far that friction has levelled off,
+    below the prescribed force, and the body still slides on, away from where it stuck.
     """
     form, grid, law = motion.form, motion.grid, motion.form.contact.law
     velocity, force, displacement = (means(grid, spectrum) for spectrum in (
