@@ -93,10 +93,10 @@ class Tracer(Corrector, Neighbours, Ends):
             from the given one on
         tight : bool, to a residual below which a fold's load hardly depends on it
         """
-        share, rate = border
-        length, guess = share * length + rate * position, finite(guess)
+        length, guess = border[0] * length + border[1] * position, finite(guess)
         for _ in range(6):
             form, arc, snes, start = self._on_chord(chord, length, guess, position, leg, border)
+            guess = None  # (much memory)
             refuse_unknown(form.grid, start)
             with tightened(snes, form) if tight else nullcontext():
                 unknown, iterations = self.run(arc, start, WARM, snes)

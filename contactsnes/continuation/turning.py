@@ -70,19 +70,24 @@ def _chord(known):
 def _between(system, leg, known, part):
     """The point at a part of the chord, foretold by those that are known."""
     chord = _chord(known)
-    guess, position = _foretold(system, known, part)
-    point = system.solve_arc(chord, part * system.chord_length(*chord), guess, position, leg)
-    if system.missed(guess, point.state) > SHARE * system.missed(*chord):
+    length, position = part * system.chord_length(*chord), _position(known, part)
+    point = system.solve_arc(chord, length, _foretold(system, known, part), position, leg)
+    # The guess is made anew: the solve takes much memory, which it would add to.
+    if system.missed(_foretold(system, known, part), point.state) > SHARE * system.missed(*chord):
         raise NotConverged("a solve between two points strayed from the branch")
     return point
 
 
 def _foretold(system, known, part):
-    """State and position at a part of the chord by the four nearest points that are known."""
+    """The state at a part of the chord by the four nearest points that are known."""
     near = _nearest(known, part)
-    weights, points = lagrange_weights(near, part), [known[other] for other in near]
-    return (system.extrapolate(points, weights),
-            float(weights @ [point.position for point in points]))
+    return system.extrapolate([known[other] for other in near], lagrange_weights(near, part))
+
+
+def _position(known, part):
+    """The position there by the same points."""
+    near = _nearest(known, part)
+    return float(lagrange_weights(near, part) @ [known[other].position for other in near])
 
 
 def _nearest(known, part):
@@ -165,7 +170,7 @@ def _behind(system, leg, known, low, position):
         part = float(parts[np.argmin(np.abs(loads - position))])
         if tried:
             known[part] = _between(system, leg, known, part)
-        guess = _foretold(system, known, part)[0]
+        guess = _foretold(system, known, part)
         try:
             point = system.solve(guess, leg.controls, leg.load(position))
         except NotConverged:
