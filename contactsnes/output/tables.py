@@ -100,7 +100,9 @@ def _fill(group, content):
         data, unit = value if isinstance(value, tuple) else (value, None)
         data = np.asarray(data)
         if data.dtype.kind == "U":
-            data = data.astype(h5py.string_dtype())
+            # Of one length: HDF5 2.0 frees what it has not where there is no room for others.
+            data = np.char.encode(data, "utf-8")
+            data = data.astype(h5py.string_dtype(length=data.dtype.itemsize))
         group[name] = data
         if unit is not None:
             group[name].attrs["unit"] = unit

@@ -399,14 +399,14 @@ def test_costs_within_a_power_of_ten_have_numbers_at_their_axis(times):
 
 def test_failed_replacement_leaves_a_file(tmp_path):
     path = tmp_path / "kept.h5"
-    tables.write_hdf5(path, {"a": 1}, {"x": ([1.0, 2.0], "s"), "words": ["one", "two"]})
+    tables.write_hdf5(path, {"a": 1}, {"x": ([1.0, 2.0], "s"), "words": ["one", "zwölf", ""]})
     before = path.read_bytes()
     with pytest.raises(TypeError):
         tables.write_hdf5(path, {}, {"x": object()})
     assert path.read_bytes() == before and [file.name for file in tmp_path.iterdir()] == ["kept.h5"]
     attributes, content = tables.read_hdf5(path)
     assert (attributes == {"a": 1} and content["x"].tolist() == [1, 2]
-            and content["words"].tolist() == ["one", "two"])
+            and content["words"].tolist() == ["one", "zwölf", ""])
 
 
 # Methods and the database
