@@ -62,7 +62,7 @@ def settle(system, begin, controls, load, where, origin=None):
 
     Raises
     ------
-    NoEquilibrium : where overdamped motion shows that the body leaves or slides without end
+    NoEquilibrium : where overdamped motion shows that the body leaves, sinks in or slides for ever
     NotConverged : where the motion does not settle
     """
     options, held = read(MotionOptions), [states.with_components(begin(), len(controls))]

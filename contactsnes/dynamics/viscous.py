@@ -260,13 +260,13 @@ class Equations:
             component, target = self.moving[place], self.target[place]
             if velocity[place] * target <= 0.0:
                 continue
-            gap = self.gap(unknown)
-            if component == 0 and is_beyond(self.contact.law, grid.minimum(gap[0]), target):
+            if component == 0 and is_beyond(self.contact.law, grid.minimum(self.gap(unknown)[0]),
+                                            target):
                 return 0
             if component > 0 and slides_away(means[place], velocity[place]):
                 pressed = 0 in self.moving[self.pulled] and self.target[0] < 0.0
-                if slides(self.contact.law, grid, gap, abs(target) * self.contact.grid.size,
-                          pressed):
+                if slides(self.contact.law, grid, self.gap(unknown),
+                          abs(target) * self.contact.grid.size, pressed):
                     return component
         return None
 

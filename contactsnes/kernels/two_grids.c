@@ -43,30 +43,21 @@ static int solve_patches(TwoGrids *g)
     return g->transform->single ? on_patches_in_single(g) : on_patches_in_double(g);
 }
 
-/* What the two grids make of a field, to another one or in place. */
-int on_two_grids(TwoGrids *g, const double *field, double *out)
-{
-    memset(g->sums, 0, 2 * g->points * sizeof *g->sums);
-    if (g->transform->single) gather_doubles_in_single(g, field);
-    else gather_doubles_in_double(g, field);
-    const int status = solve_patches(g);
-    if (status) return status;
-    if (g->transform->single) scatter_doubles_in_single(g, field, out);
-    else scatter_doubles_in_double(g, field, out);
-    return 0;
-}
-
-int on_two_grids_of_floats(TwoGrids *g, const float *field, float *out)
-{
-    memset(g->sums, 0, 2 * g->points * sizeof *g->sums);
-    if (g->transform->single) gather_floats_in_single(g, field);
-    else gather_floats_in_double(g, field);
-    const int status = solve_patches(g);
-    if (status) return status;
-    if (g->transform->single) scatter_floats_in_single(g, field, out);
-    else scatter_floats_in_double(g, field, out);
-    return 0;
-}
+/* What the two grids make of a field in numbers FIELD, to another one or in place. */
+#define ON_TWO_GRIDS(FIELD, NAME, GATHERED, SCATTERED)                          \
+    int NAME(TwoGrids *g, const FIELD *field, FIELD *out)                       \
+    {                                                                           \
+        memset(g->sums, 0, 2 * g->points * sizeof *g->sums);                    \
+        if (g->transform->single) GATHERED##_in_single(g, field);               \
+        else GATHERED##_in_double(g, field);                                    \
+        const int status = solve_patches(g);                                    \
+        if (status) return status;                                              \
+        if (g->transform->single) SCATTERED##_in_single(g, field, out);         \
+        else SCATTERED##_in_double(g, field, out);                              \
+        return 0;                                                               \
+    }
+ON_TWO_GRIDS(double, on_two_grids, gather_doubles, scatter_doubles)
+ON_TWO_GRIDS(float, on_two_grids_of_floats, gather_floats, scatter_floats)
 
 /* Adds to some nodes what two grids make of a field there, where what stands for patches is in their sums. */
 void add_on_two_grids(const TwoGrids *g, const float *field, long at, long n, double *out)

@@ -719,8 +719,8 @@ def test_inertia_that_carries_a_body_off_is_no_missing_equilibrium(jumped, optio
     point = branch.corrector.settle(aside, fold.controls, fold.load, "here")
     np.testing.assert_allclose(point.forces, after.forces, rtol=1e-6, atol=1e-9)
     options(jump_motion_type="overdamped", jump_motion_steps=3)
-    with pytest.raises(NotConverged,
-                       match="leaves.* with inertia here, but the overdamped motion .* 3 steps"):
+    with pytest.raises(NotConverged, match="leaves, sinks in or slides without end .* with inertia "
+                       "here, but the overdamped motion .* 3 steps"):
         branch.corrector.settle(aside, fold.controls, fold.load, "here")
     monkeypatch.setattr(relaxing, "relaxed", leaves)
     with pytest.raises(NotConverged, match="in the relaxation before the solve"):
@@ -743,6 +743,16 @@ def test_a_motion_that_is_not_followed_gives_way_to_inertia(options, jumped):
     assert any("not come to rest after 3 steps" in sentence and "on the whole cell" in sentence
                for sentence in sentences)
     same(branch, points[-1], found[-1])
+
+
+def test_a_normal_start_of_a_sheared_motion_gives_way_to_inertia_too(options):
+    branch = Branch(Scene(**{**LINE, "residual_friction": 0.5}),
+                    Load("normal_displacement=0", "tangential_displacement=0.1"))
+    start, *_, sheared = branch
+    options(jump_motion_steps=1)
+    assert start.state.components == 1
+    point = jumps.settle(branch.corrector, lambda: start.state, (D, D), sheared.load, "here")
+    np.testing.assert_allclose(point.forces, sheared.forces, rtol=1e-6)
 
 
 def test_steps_that_fail_are_named():
