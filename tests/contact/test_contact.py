@@ -20,7 +20,7 @@ import scipy.fft
 import scipy.signal
 
 from contactsnes import Branch, Contact, Form, InputError, Load, Scene, Steps
-from contactsnes.branch import corrector
+from contactsnes.branch import equations
 from contactsnes.branch.accuracy import finer_contact
 from contactsnes.contact.bordered import ArcLength
 from contactsnes.contact.force_form import ForceForm
@@ -672,7 +672,7 @@ def test_forms_of_old_windows_are_released():
 
 def test_a_form_is_released_before_the_next_is_made(monkeypatch):
     """Two of them with their Krylov vectors would be twice the memory."""
-    made, most, create = weakref.WeakSet(), [], corrector.create_snes
+    made, most, create = weakref.WeakSet(), [], equations.create_snes
 
     def creating(form, *given):
         snes = create(form, *given)
@@ -681,7 +681,7 @@ def test_a_form_is_released_before_the_next_is_made(monkeypatch):
         most.append(len(made))
         return snes
 
-    monkeypatch.setattr(corrector, "create_snes", creating)
+    monkeypatch.setattr(equations, "create_snes", creating)
     load = Load(start="normal_displacement=1", path="normal_displacement=20")
     for _ in Branch(Scene(**SHARP), load, Steps(), Form(cascade=False)):
         pass
