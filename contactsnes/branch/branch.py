@@ -173,7 +173,14 @@ class Branch:
         except NotConverged as error:
             raise failures.explained(error, self.contact, any(self._sheared),
                                      lambda: self._modes(remarks.last, remarks.leg), remarks.last,
-                                     remarks.leg, steppers.others(stepper)) from None
+                                     remarks.leg, steppers.others(stepper),
+                                     self._nearly) from None
+
+    def _nearly(self):
+        """A point near the first one, for what can be told of it; None without any."""
+        initial = self.scene.initial(self.load)
+        return first_points.nearly(self.corrector, [initial[0].control],
+                                   np.array([initial[0].value]))
 
     def _modes(self, last, leg):
         """Modes of the last point under the controls of the leg under way; None without one, or a

@@ -43,6 +43,8 @@ NUMBER = r"(?<![\w.])(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 """What a number without its sign looks like in the text of an option."""
 TRY = ("try smaller steps (-continuation_initial_step, -continuation_smallest_step) or "
        "another -continuation_predictor")
+AT_START = "try another -load_start, and a leg from there"
+"""What to try where there is no first point, to which no steps lead."""
 
 CHOICE = re.compile("(snes|ksp|pc|snes_linesearch|ksp_norm)_type|ksp_pc_side")
 """Options of methods that a solve may fail with."""
@@ -183,11 +185,12 @@ def _deepest(mask, around, grid):
     return grid.maximum(grid.without_rows(depth[asked], NARROW))
 
 
-def way_out():
-    """What to try where a solver failed: first of all without methods of the user's choice."""
+def way_out(general=TRY):
+    """What to try where a solver failed: first of all without methods of the user's choice, then
+    what is of use in ``general``."""
     chosen = [f"-{name} {text}" for name, text in database().items()
               if CHOICE.fullmatch(name) and text != "python" and (name, text) not in USUAL_CHOICES]
-    return f"try without {' '.join(chosen)}, or {TRY[4:]}" if chosen else TRY
+    return f"try without {' '.join(chosen)}, or {general[4:]}" if chosen else general
 
 
 def beyond_rounding(contact, last):
@@ -227,7 +230,8 @@ def _since(last, leg):
     return ": a bifurcation was passed, which -continuation_stability sign finds"
 
 
-def explained(error, contact, sheared, modes, last=None, leg=None, others=()):
+def explained(error, contact, sheared, modes, last=None, leg=None, others=(),
+              nearly=lambda: None):
     """A NotConverged that says what the failure of a path is, and what to try.
 
     Parameters
@@ -240,8 +244,9 @@ def explained(error, contact, sheared, modes, last=None, leg=None, others=()):
     last : Point, the last one, if any
     leg : Leg on which the path ended, if any
     others : options of other ways past a fold
+    nearly : function () -> Point near the first one, which is not there; None without any
     """
-    told = beyond_rounding(contact, last)
+    told = beyond_rounding(contact, last or nearly())
     if told:
         return NotConverged(f"{error}; {told}")
     scene, softest = contact.scene, critical(contact, sheared)
@@ -253,7 +258,8 @@ def explained(error, contact, sheared, modes, last=None, leg=None, others=()):
     except (RuntimeError, ArithmeticError, ValueError):
         found = None
     if found is None:
-        return NotConverged(f"{error}; a failure of the solver: {way_out()}")
+        return NotConverged(f"{error}; a failure of the solver: "
+                            f"{way_out(TRY if last else AT_START)}")
     told = f"leading eigenvalue {found.leading.real:.3g}"
     if found.unstable:
         why = f"unstable ({found.unstable} modes, {told}){_since(last, leg)}"

@@ -28,6 +28,10 @@ LOOSE = 1e-2
 """Tolerance on grids that stand for another equilibrium than the next one, by a law or by an edge
 that sticks."""
 
+LOOSER = 100.0
+"""Times the tolerance that is asked for: far less than last digits of a state are moved by to see
+what rounding leaves of it (`contact.balance`), and far more than that tolerance."""
+
 STRIDES = {1: (3, 1), 2: (1,)}
 """By directions of the cell: of how many coarser grids one is solved on, and what is tried where
 that fails. Those of a line cost less than what is made for a solve."""
@@ -116,6 +120,22 @@ def _of_every_other_node(system, controls, load):
     state = finer_state(coarse.contact, contact, cold(coarse, controls, load).state)
     contact.coarse.cache_clear()
     return system.fitted(state)
+
+
+def nearly(system, controls, load):
+    """The first point of the normal component to a looser tolerance, by Newton's method alone, of
+    which what stops a solve to the one that is asked for can be told; None where that fails, too.
+
+    Parameters
+    ----------
+    system, controls, load : as of `cold`
+    """
+    system.release()
+    try:
+        return first_point(system.on(system.contact, LOOSER * system.allowed), controls[:1],
+                           load[:1])
+    except NotConverged:
+        return None
 
 
 def first_point(system, controls, load):

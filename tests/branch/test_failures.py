@@ -209,9 +209,10 @@ def test_a_diagnosis_that_fails_leaves_the_reason():
                                                       False, broken))
 
 
-@pytest.mark.parametrize("given, told", (({"ksp_type": "cg"}, "without -ksp_type cg, or smaller"),
+@pytest.mark.parametrize("given, told", (({"ksp_type": "cg"}, "without -ksp_type cg, or another "
+                                          "-load_start"),
                                          ({"ksp_type": "fgmres", "pc_type": "python"},
-                                          "solver: try smaller steps")))
+                                          "solver: try another -load_start, and a leg")))
 def test_methods_of_the_users_choice_are_doubted_first(monkeypatch, given, told):
     monkeypatch.setattr("contactsnes.branch.failures.database", lambda: given)
     assert told in str(explained(NotConverged("x"), Contact(Scene(**LINE)), False, lambda: None))
@@ -225,6 +226,23 @@ def test_a_tolerance_below_rounding_is_named_as_the_reason():
     try:
         with pytest.raises(NotConverged, match="-snes_atol 1e-18 is below what rounding leaves"):
             list(Branch(Scene(**LINE), Load(path="normal_displacement=1")))
+    finally:
+        options.delValue("snes_atol")
+
+
+def test_a_first_point_too_deep_for_its_digits_says_so():
+    """There are no steps to make smaller, but the tolerance that is named has a point."""
+    from petsc4py import PETSc
+
+    options, scene = PETSc.Options(), Scene(period=3.5, points=96, normal_maugis=4.5)
+    load = Load(start="normal_displacement=3.7", path="normal_displacement=3.7")
+    with pytest.raises(NotConverged, match="rounding leaves of displacements") as failure:
+        list(Branch(scene, load))
+    told = str(failure.value)
+    assert "smaller steps" not in told
+    options["snes_atol"] = float(re.search(r"try (\S+)$", told).group(1))
+    try:
+        assert next(iter(Branch(scene, load))).in_contact
     finally:
         options.delValue("snes_atol")
 
