@@ -5,6 +5,7 @@ import numpy as np
 from ..contact import acceptance, combining, states, ways
 from ..contact.edges import follow_edge
 from ..contact.fronts import fronts_foretold, fronts_moved
+from ..contact.scattered import boxed
 
 
 class Neighbours:
@@ -24,8 +25,11 @@ class Neighbours:
         """
         displacements, forces = (np.append(values, np.zeros(len(controls)))[:len(controls)]
                                  for values in (point.displacements, point.forces))
-        state = self.symmetry.checked(states.with_components(point.state, len(controls)))
-        return point.changed(state=state, controls=controls, load=load,
+        state = states.with_components(point.state, len(controls))
+        if not self.symmetry.scatters(len(controls)):
+            # an archive of another number of processes may have it on the law's nodes alone
+            state = boxed(self.contact, state)
+        return point.changed(state=self.symmetry.checked(state), controls=controls, load=load,
                              displacements=displacements, forces=forces)
 
     def extrapolate(self, points, weights):

@@ -141,7 +141,7 @@ def asymmetry(window, values, parities=None):
     signs = np.ones((len(values), len(window.grid.shape))) if parities is None \
         else np.array(parities, dtype=float)
     signs = [sign.reshape(-1, *[1] * len(window.grid.shape)) for sign in signs.T]
-    if len(window.parts) > 1 or (window.grid.shared and window.parts[0] is not window):
+    if window.parts[0] is not window:  # several boxes, or some nodes of one
         cell = np.full((len(values), *window.grid.local_shape), math.inf)
         window.put(values, cell)
         differences = (np.abs(cell - sign * window.grid.mirrored(cell, axis))

@@ -139,6 +139,23 @@ def test_another_number_of_processes_goes_on(sizes, more, path, alone, tmp_path)
 
 
 @together
+@pytest.mark.parametrize("size", [1, pytest.param(2, marks=pytest.mark.study)])
+def test_states_on_the_laws_nodes_go_on_as_even_ones(size, alone, tmp_path):
+    """Several processes have states without mirror images on these nodes alone."""
+    begun, auto = words_of(path="normal_displacement=0"), ("-contact_symmetry", "auto")
+    words = [*words_of(path="normal_displacement=0; normal_displacement=1"), *auto,
+             "-contact_window", "auto"]
+    done = command(2, "run", *begun, "-contact_window", "auto", folder=tmp_path)
+    assert done.returncode == 0, done
+    assert all("window_nodes" in state for state in read(tmp_path / "run.h5").states().values())
+    done = command(size, "run", *words, "-archive_resume", folder=tmp_path)
+    assert done.returncode == 0 and "without symmetry" not in done.stdout, done
+    archive, whole = read(tmp_path / "run.h5"), read(alone(*words))
+    for name in ("normal_force", "contact_area"):
+        assert archive[name][-1] == pytest.approx(whole[name][-1], rel=1e-7)
+
+
+@together
 def test_fields_in_parts_are_kept_beside_states_that_one_process_has_as_a_whole(tmp_path):
     """Of even states, as a quarter."""
     done = command(2, "run", "-scene_dimension", "2", "-scene_geometry", "sphere",
