@@ -200,7 +200,7 @@ class Branch:
         return {name: found[name] if name in found else self.stiffness(point) for name in names}
 
     def stiffness(self, point):
-        """dW/dD at a point (`Tracer.stiffness`), in the units of the scene."""
+        """dW/dD at a point (`Responses.stiffness`), in the units of the scene."""
         size, _ = self.scene.scale(observables.STIFFNESS_UNITS[self.scene.dimension])
         with self.contact.turn:
             return size * self.corrector.stiffness(observables.found_on(self.contact, point))
