@@ -6,6 +6,7 @@ import importlib
 import os
 import platform
 import re
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -187,7 +188,8 @@ def _check_types():
         try:
             solver.setType(text)
         except PETSc.Error:
-            types = [known for word, known in vars(kind.Type).items() if not word.startswith("_")]
+            types = [known for word, known in vars(kind.Type).items()
+                     if not word.startswith("_") and known != text]
             told = f"is '{text}', a type that PETSc has not here" if text else "has no value"
             method = Path(located(f"{text}.opts"))
             like = (f": the file {method.name} is that method, name it in place of the option"
@@ -195,7 +197,8 @@ def _check_types():
                     else meant(text, types, ": leave it out for the usual one"))
             raise InputError(f"-{name} {told}{like}") from None
         finally:
-            solver.destroy()
+            with suppress(PETSc.Error):  # pipelcg cannot be given back before it is set up
+                solver.destroy()
 
 
 def create_branch(settings, log=lambda sentence: None):

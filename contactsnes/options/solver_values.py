@@ -59,10 +59,15 @@ VIEWERS = re.compile("(?:^|_)(?:view|monitor|reason|rate)(?:_|$)")
 WRITTEN = re.compile("(?:ascii|binary|hdf5|vtk)?:([^:,]+)")
 MATRIX_FREE = ("none", "python", "shell", "ksp", "composite")
 """Values of -pc_type that ask for no entries of a matrix."""
+UNUSABLE = {("snes_type", "aspin"): "it solves on subdomains, of which none are known here",
+            ("pc_type", "kaczmarz"): "it asks for rows of the tangent, of which products alone are "
+                                     "known here"}
+"""Option, without the prefix of its solver, and value that PETSc would crash with -> why: what else
+cannot be used it says itself."""
 
 
 def refuse_values(entries, nests):
-    """InputError for a number of PETSc's options that it does not allow, or takes and cannot use.
+    """InputError for a value of PETSc's options that it does not allow, or takes and cannot use.
 
     Parameters
     ----------
@@ -73,6 +78,8 @@ def refuse_values(entries, nests):
         plain = re.sub(f"^{nests}*", "", name)
         if (plain, text) == ("ksp_norm_type", "none"):
             _refuse_endless(name, entries)
+        if (plain, text.lower()) in UNUSABLE:
+            raise InputError(f"-{name} is '{text}': {UNUSABLE[plain, text.lower()]}; leave it out")
         rule, guess = RULES.get(plain, (None, ""))
         if rule is not None and not (text.lower() in rule.words or _holds(rule, text)):
             told = f"is '{text}'" if text else "has no value"

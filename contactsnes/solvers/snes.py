@@ -214,7 +214,8 @@ def watch_modes(snes, form, method, spots=None):
     form.ritz = Ritz(spots)
     if spots:
         kept(spots.core)
-    if not method.has_tangent:
+    # (PETSc takes what fcg keeps for the numbers of cg, and crashes)
+    if not method.has_tangent or snes.getKSP().getType() == "fcg":
         return
     snes.getKSP().setComputeEigenvalues(True)
     if callbacks.of(snes) and not (of_ksp(snes.getKSP()) or spots):

@@ -344,6 +344,14 @@ def test_a_linear_solve_that_nothing_ends_is_refused(petsc):
     options.check_values(())
 
 
+@pytest.mark.parametrize("name, text", [("snes_type", "aspin"), ("npc_snes_type", "aspin"),
+                                        ("pc_type", "kaczmarz"), ("arc_pc_type", "Kaczmarz")])
+def test_methods_that_petsc_would_crash_with_are_refused(petsc, name, text):
+    petsc[name] = text
+    with pytest.raises(InputError, match=f"^-{name} is '{text}': it .* here; leave it out$"):
+        options.check_values(())
+
+
 def test_values_of_petscs_options_may_not_be_left_out(petsc):
     petsc["ksp_rtol"] = ""
     with pytest.raises(InputError, match="^-ksp_rtol has no value: allowed is a number"):

@@ -322,6 +322,18 @@ def test_the_window_grows_on_demand():
     assert states.distance(made.contact, point.state, found.state) < 1e-6
 
 
+def test_a_method_whose_ritz_values_petsc_cannot_tell_is_not_asked_for_them(options):
+    """PETSc's flexible CG, whose numbers it takes for those of CG."""
+    made, first = solved(approach=1.0)
+    options(ksp_type="fcg")
+    other = corrector()
+    try:
+        other.solve(first.state, first.controls, np.array([1.05]))
+    except NotConverged:
+        pass  # (the preconditioner is not symmetric)
+    assert np.isnan(other.form.ritz.smallest) and not np.isnan(made.form.ritz.smallest)
+
+
 def test_the_window_grows_with_what_a_solve_finds():
     """The contact spreads beyond the window that its guess asks for."""
     made, point = solved(0.0)
