@@ -20,6 +20,27 @@ SLACK = 1e-6
 """Traction over the law's peak, or change of it, that is none: what a solve leaves of a balance is
 less."""
 
+DEEP = 0.95
+"""Part of the deepest gap of which a law tells that a path's last point has where it ended there:
+steps are made shorter until they are a millionth of a leg."""
+
+
+def of_law(contact, last):
+    """What there is to say where a path ended at the deepest gap of which the law tells; else an
+    empty text.
+
+    Parameters
+    ----------
+    contact : Contact
+    last : Point, the last one; None before the first
+    """
+    closest = np.inf if last is None else contact.survey(last.state).closest
+    if closest > DEEP * contact.law.deepest:
+        return ""
+    return (f"the last point has a gap of {closest:.3g} delta_n, nearly the deepest of which the "
+            "law tells: slip, or the law itself, has left too little repulsion for what presses "
+            "the body; end the path here, or press less")
+
 
 class Ends:
     """Events and ends of branches of a contact, for a class with ``contact`` and ``solve``."""

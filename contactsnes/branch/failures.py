@@ -13,12 +13,8 @@ from ..contact.problem import DISPLACEMENT, FORCE
 from ..continuation.points import NotConverged
 from ..grid.spots import runs
 from ..options.database import database
-from ..scene.resolution import (
-    PINNING,
-    resolution,
-    resolution_of_states,
-    resolution_warning,
-)
+from ..scene.resolution import PINNING, resolution, resolution_of_states, resolution_warning
+from .ends import of_law
 
 NARROW = 20
 """Nodes over which a jump of the grid's own reaches at most: the cohesive zone of a resolved edge
@@ -246,7 +242,7 @@ def explained(error, contact, sheared, modes, last=None, leg=None, others=(),
     others : options of other ways past a fold
     nearly : function () -> Point near the first one, which is not there; None without any
     """
-    told = beyond_rounding(contact, last or nearly())
+    told = beyond_rounding(contact, last or nearly()) or of_law(contact, last)
     if told:
         return NotConverged(f"{error}; {told}")
     scene, softest = contact.scene, critical(contact, sheared)

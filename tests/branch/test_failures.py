@@ -1,5 +1,6 @@
 """What is said of points that the grid does not resolve, and of paths that end."""
 
+import math
 import re
 from types import SimpleNamespace
 
@@ -8,7 +9,8 @@ import petsc4py
 import pytest
 
 petsc4py.init()
-from contactsnes import Branch, Contact, Load, NotConverged, Scene, Steps
+from contactsnes import Branch, Contact, Load, NoEquilibrium, NotConverged, Scene, Steps
+from contactsnes.branch.ends import of_law
 from contactsnes.branch.failures import NARROW, critical, explained, narrow, uncomputable
 from contactsnes.contact import states
 from contactsnes.contact.balance import left_by_rounding
@@ -245,6 +247,26 @@ def test_a_first_point_too_deep_for_its_digits_says_so():
         assert next(iter(Branch(scene, load))).in_contact
     finally:
         options.delValue("snes_atol")
+
+
+def test_a_body_that_sinks_to_the_laws_end_is_no_failure_of_the_solver():
+    """Slip takes the repulsion of this law as well as its attraction."""
+    scene = Scene(period=21.0, points=128, normal_maugis=1.8, tangential_maugis=0.4,
+                  law="xu_needleman", xu_needleman_r=0.5, height=math.inf)
+    load = Load(start="normal_force=3.6", path="tangential_displacement=14")
+    with pytest.raises((NotConverged, NoEquilibrium),
+                       match="deepest of which the law tells|sinks in") as failure:
+        list(Branch(scene, load, Steps(at_fold="trace")))
+    assert "smaller steps" not in str(failure.value)
+
+
+@pytest.mark.parametrize("closest, deep", [(-29.9, True), (-20.0, False)])
+def test_the_deepest_gap_of_which_a_law_tells_is_named_where_a_path_ends_there(closest, deep):
+    contact = SimpleNamespace(survey=lambda state: SimpleNamespace(closest=closest),
+                              law=SimpleNamespace(deepest=-30.0))
+    told = of_law(contact, SimpleNamespace(state=None))
+    assert (f"a gap of {closest:g} delta_n" in told and "press less" in told) is deep
+    assert bool(told) is deep and not of_law(contact, None)
 
 
 @pytest.mark.parametrize("option", ["snes_rtol", "snes_stol"])
