@@ -6,6 +6,7 @@ from ..contact import acceptance, combining, states, ways
 from ..contact.edges import follow_edge
 from ..contact.fronts import fronts_foretold, fronts_moved
 from ..contact.scattered import boxed
+from ..contact.state import Former
 
 
 class Neighbours:
@@ -31,6 +32,13 @@ class Neighbours:
             state = boxed(self.contact, state)
         return point.changed(state=self.symmetry.checked(state), controls=controls, load=load,
                              displacements=displacements, forces=forces)
+
+    def lighter(self, points):
+        """Points of a branch, oldest first, whose states but the last one's take half the
+        memory."""
+        last = points[-1].state
+        return [*(point.changed(state=Former.of(point.state, last)) for point in points[:-1]),
+                points[-1]]
 
     def extrapolate(self, points, weights):
         """Weighted sum of states at fixed places."""

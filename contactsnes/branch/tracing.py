@@ -158,6 +158,7 @@ class Tracer(Responses, Neighbours, Ends):
             self.patience.watch(self.arc[1], self.contact)
         arc, snes = self.arc
         arc.aim(*aim)
+        del aim, first  # of which the arc holds what it needs
         unknown = arc.joined(form.pack(states.onto(state, form.window), state.means[form.forced]),
                              position)
         return form, arc, snes, unknown

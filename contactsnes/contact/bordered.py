@@ -38,7 +38,6 @@ class ArcLength:
         self.root = form.root
         self.size = form.size + len(form.grid.held([0.0]))
         self.linear_tolerance = form.linear_tolerance
-        self.load_column = np.empty(form.size)
 
     @cached_property
     def kernel(self):
@@ -55,9 +54,10 @@ class ArcLength:
         """
         self.start = start
         self.direction = direction
-        self.anchor = anchor
+        # What rounding takes off the anchor is told with the length.
+        self.anchor = anchor.astype(np.float32)
         self.tangent = tangent
-        self.length = length
+        self.length = length + self.form.grid.inner(tangent, anchor - self.anchor)
         self.rate = rate
         if vars(self).get("kernel"):
             self.kernel.aim(self)
@@ -119,9 +119,17 @@ class ArcLength:
 
     def linearise(self, unknown):
         """Take the law's tangent and dF/ds at the unknown."""
+        if self.kernel:
+            self.kernel.linearise(unknown)
+            return
         self.set_position(self.position(unknown))
         self.form.linearise(self.inner(unknown))
-        self.form.load_derivative(self.direction, self.load_column)
+        self._column = self.form.load_derivative(self.direction, np.empty(self.form.size))
+
+    @property
+    def load_column(self):
+        """dF/ds of the last linearisation, an array of the form's size."""
+        return self.kernel.load_column(np.empty(self.form.size)) if self.kernel else self._column
 
     def apply_jacobian(self, vector, out, *single):
         """out = J vector.

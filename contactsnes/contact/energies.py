@@ -26,6 +26,7 @@ import numpy as np
 
 from ..interface.laws.law import slip_of
 from .interface_work import FAR_PANELS, between, corners, straight
+from .state import lightest
 from .work_along import MOST, path_work
 
 STICKING = 1e-6
@@ -167,7 +168,8 @@ class PathEnergies:
 
     def _keep(self, entry):
         """Keep an entry among the last ones."""
-        self.trail = [*self.trail[1 - MOST:], entry]
+        self.trail = [*(one._replace(point=one.point.changed(state=lightest(one.point.state)))
+                        for one in self.trail[1 - MOST:]), entry]
 
     def _same(self, entry, last):
         """Whether nothing has moved from one entry to the next."""

@@ -55,6 +55,14 @@ class BracketingSteps(NaturalSteps):
         longest = step * math.sqrt(USED / self._used) if self._used > 0.0 else math.inf
         return min(super()._next(step, point), longest)
 
+    def _accept(self, point):
+        """As of `NaturalSteps`; points before the last one, which but foretell others, take less
+        memory."""
+        point = super()._accept(point)
+        places, points = zip(*self.history)
+        self.history = [*zip(places, self.system.lighter(points))]
+        return point
+
     def _due(self, refused, failures):
         """Whether a refused step is to be taken for a fold."""
         return refused <= BRACKET * self.shortest

@@ -68,13 +68,13 @@ def _not_archived(system, emitted):
 
 
 def _along(steps, emitted, stops):
-    """The points of a leg with their further events, kept among the last ones that were
-    ``emitted``; a pull-off that is to end the path ends it here."""
+    """The points of a leg with their further events, each the last one that was ``emitted``; a
+    pull-off that is to end the path ends it here."""
     _check_held(steps.system, emitted[-1], steps.leg)
     try:
         for arrived in steps:
             for point in with_events(emitted[-1], arrived):
-                emitted[:] = [*emitted[-3:], point]
+                emitted[:] = [point]
                 yield point
     except NoEquilibrium:
         if not ("pull_off" in stops and pulled_off(emitted[-1])):

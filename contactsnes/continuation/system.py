@@ -27,6 +27,9 @@ class States(Protocol):
         load : array, one controlled value a component
         """
 
+    def lighter(self, points: Sequence) -> Sequence:
+        """Points, oldest first, the last as it is, others as exact as predictions ask for."""
+
     def extrapolate(self, points: Sequence, weights: Sequence) -> Any:
         """The weighted sum of the states of points or of `Direction`s."""
 
@@ -34,8 +37,7 @@ class States(Protocol):
         """The same in coordinates that follow what moves; None where there are no such."""
 
     def fronts_moved(self, first: Point, last: Point) -> bool:
-        """Whether something narrow moved from one point to another, which a tangent leaves in
-        place."""
+        """Whether something narrow moved between points, which a tangent leaves in place."""
 
     def missed(self, guess: Any, state: Any) -> float:
         """Distance of a state from its prediction, root mean square where it matters."""
@@ -292,8 +294,7 @@ class Stability(Protocol):
         """The point with ``stable`` and ``unstable_modes``."""
 
     def critical(self, point: Point, number: int) -> tuple:
-        """(real part of an eigenvalue, counted from the least stable one; the point with it and its
-        mode)."""
+        """(real part of an eigenvalue, by its rank in stability; the point with that and its mode)."""
 
     def aside(self, point: Point) -> Any:
         """A state that differs from a point's by its mode, by a unit at most."""

@@ -52,7 +52,9 @@ class Rounds:
         self._steps += 1
         if self._steps >= self._keep:
             self._keep *= 2
-            self._kept, self._farthest, self._returns = moment.unknown, 0.0, []
+            # (half the memory, and as exact as steps are long that go round)
+            self._kept = moment.unknown.astype(np.float32)
+            self._farthest, self._returns = 0.0, []
             return False
         if self._kept is None:
             return False

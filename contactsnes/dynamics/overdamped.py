@@ -14,7 +14,6 @@ from typing import ClassVar
 import numpy as np
 
 from ..contact import places, scattered, states
-from ..contact.state import weighted
 from ..continuation.points import lagrange_weights
 from ..grid.cell import Convolution
 from ..options.fields import Options, option
@@ -23,7 +22,7 @@ from ..solvers.vectors import collect
 from .control import CAREFUL, MANY, Exactness, control
 from .endings import Circling, Leaving, Rounds, Unsettled
 from .outside import Outside
-from .step_works import Moment, displacements, step_works
+from .step_works import Moment, combined, displacements, gone_on, step_works
 from .viscous import Equations, backward_formula
 
 RESTING = 1e-6
@@ -182,8 +181,7 @@ class OverdampedMotion:
         if self.measured:
             self._account(moment, step)
         change = moment.unknown - self.history[-1].unknown
-        self.history = [*(known._replace(elastic=None) for known in self.history[-2:-1]),
-                        self.history[-1], moment]
+        self.history = gone_on(self.history, moment)
         moved, self._rate = self._size_now(change), None
         self._speed = moved / step
         self.fastest = max(self.fastest, self._speed)
@@ -209,7 +207,7 @@ class OverdampedMotion:
     def _place(self):
         """Where the motion is fastest, in words."""
         equations, (before, now) = self.equations, (self.history[0], self.history[-1])
-        moved = now.unknown - before.unknown if before is not now else self._rate
+        moved = before.unknown if before is not now else self._rate
         near = equations.near(now.unknown)
         speed = equations.unfolded(np.abs(equations.displacement(moved)) * near.mask)
         return places.largest(self.contact, equations.window, speed.max(axis=0))
@@ -225,8 +223,8 @@ class OverdampedMotion:
         times = [moment.time - now.time for moment in history[-2:]]
         shift, weights = backward_formula(times, step)
         before = equations.spent()
-        unknown, reason = equations.newton(lambda: self._predicted(step), shift, weighted(
-            [moment.unknown for moment in history[-2:]], weights), self._exactness)
+        unknown, reason = equations.newton(lambda: self._predicted(step), shift,
+                                           combined(history[-2:], weights), self._exactness)
         self.steps += 1
         for name, count in equations.spent().items():
             self.totals[name] += count - before[name]
@@ -237,7 +235,7 @@ class OverdampedMotion:
         if not error <= REFUSED:
             return error, None
         # The same formula for tau' = t - tau.
-        elastic = weighted([moment.elastic for moment in history[-2:]], weights)
+        elastic = combined(history[-2:], weights, "elastic")
         elastic += equations.traction(unknown)
         elastic /= 1.0 + shift
         return error, Moment(now.time + step, unknown, elastic)
@@ -260,7 +258,7 @@ class OverdampedMotion:
         if len(self.history) == 1:
             return now.unknown + step * self._rate
         weights = lagrange_weights([moment.time for moment in self.history], now.time + step)
-        return weighted([moment.unknown for moment in self.history], weights)
+        return combined(self.history, weights)
 
     def _account(self, moment, step):
         """Add the works of a step to ``moment`` from the last one."""

@@ -1,5 +1,10 @@
 """Moments of a motion, and the works of a step between two of them, found on some nodes at a time:
-in no memory to speak of."""
+in no memory to speak of.
+
+A history is the last moments of a motion, oldest first, of which those before the last one are told
+by what they differ from it, in single precision: less than predictions and formulas miss, and in
+half the memory, which linear systems take besides.
+"""
 
 import math
 from typing import NamedTuple
@@ -18,6 +23,24 @@ class Moment(NamedTuple):
     elastic: np.ndarray = None
 
 
+def gone_on(history, moment):
+    """The history of a motion that has come to a moment, three of them."""
+    *earlier, last = history
+    before = Moment(last.time, *((old - new).astype(np.float32)
+                                 for old, new in zip(last[1:], moment[1:])))
+    return [*(one._replace(unknown=one.unknown + before.unknown, elastic=None)
+              for one in earlier[-1:]), before, moment]
+
+
+def combined(history, weights, name="unknown"):
+    """Weighted sum of what some moments of a history have by a name, the last one among them."""
+    *earlier, last = (getattr(one, name) for one in history)
+    found = sum(weights) * last
+    for weight, change in zip(weights, earlier):
+        found += np.multiply(weight, change, dtype=float)
+    return found
+
+
 def step_works(contact, equations, history, moment, step):
     """Works done on the interface and against viscosity in the step from the last moment of a
     motion to another one, array (2, components), phi_i over the area of a node: by Simpson's rule
@@ -27,24 +50,25 @@ def step_works(contact, equations, history, moment, step):
     ----------
     contact : Contact
     equations : viscous.Equations of the motion
-    history : list of its last `Moment`, oldest first
+    history : its last moments
     moment : Moment
     step : float, time between the two
     """
     form, moving, known = equations.form, equations.moving, [*history[-2:], moment]
     times, weights = [one.time for one in known], getattr(form.grid, "weights", None)
-    means, bent = _rates([form.scalars(one.unknown) for one in known], times, step)
+    tails = _whole([one.unknown[form.count:] for one in known])
+    means, bent = _rates([form.grid.scalars(tail, len(form.forced)) for tail in tails], times, step)
     way = np.zeros((2, form.components, 1))  # of the means, and how their speed changes
     way[:, moving, 0] = means, bent
     fields = [one.unknown[:form.count].reshape(form.shape) for one in known]
     works = np.zeros((2, form.components))
     for first in range(0, form.nodes, PART):
         part = slice(first, first + PART)
-        some = [field[:, part] for field in fields]
+        some = _whole([field[:, part] for field in fields])
         done = _on_interface(equations, some, form.initial_gap[part], times, step)
         lost = [form.root * rate - mean
                 for rate, mean in zip(_rates(some, times, step), way)]
-        creep, bend = _rates([one.elastic[:, part] for one in known], times, step)
+        creep, bend = _rates(_whole([one.elastic[:, part] for one in known]), times, step)
         creep *= lost[0]
         creep += bend * lost[1] / 3.0
         works += [values.sum(axis=1) if weights is None else values @ weights[part]
@@ -53,6 +77,12 @@ def step_works(contact, equations, history, moment, step):
     interface, viscous = step / 6.0 * interface, -step * viscous
     viscous[moving] += (step * contact.grid.size * equations.mass * (means ** 2 + bent ** 2 / 3.0))
     return np.array([interface, viscous])
+
+
+def _whole(known):
+    """What is known at the last two or three moments, where the first of three is told by what it
+    differs from the second."""
+    return [known[0] + known[1], *known[1:]] if len(known) > 2 else known
 
 
 def displacements(equations):

@@ -26,7 +26,7 @@ class CompiledArc:
         self.kernel, self.structure = arc.form.kernel, structures.Arc()
         self._shared = {"factor": self._factor, "load": half.load, "target": half.row_target,
                         "far": half.far, "row_scale": half.row_scale,
-                        "load_column": arc.load_column}
+                        "load_column": np.zeros(count + len(half.forced))}
         for name, array in self._shared.items():
             setattr(self.structure, name, address(array))
         self.aim(arc)
@@ -37,7 +37,8 @@ class CompiledArc:
         own = self.structure
         own.length, own.rate = arc.length, arc.rate
         self._given = {name: np.ascontiguousarray(getattr(arc, name), dtype=float)
-                       for name in ("start", "direction", "anchor", "tangent")}
+                       for name in ("start", "direction", "tangent")}
+        self._given["anchor"] = arc.anchor
         for name, array in self._given.items():
             setattr(own, name, address(array))
 
@@ -46,6 +47,15 @@ class CompiledArc:
         for name in names:
             self._given.pop(name, None)
             setattr(self.structure, name, None)
+
+    def load_column(self, out):
+        """dF/ds of the last linearisation, of which the library keeps a number a component."""
+        self.kernel.library.load_column(self.kernel.reference, self.reference, address(out))
+        return out
+
+    def linearise(self, unknown):
+        """Take the law's tangent and dF/ds at the unknown."""
+        self.kernel.library.arc_linearise(self.kernel.reference, self.reference, address(unknown))
 
     def residual(self, unknown, out):
         """F of the form and of the arc length."""

@@ -795,7 +795,8 @@ int set_up(Zone *z)
     }
     if ((status = eliminate_means(z)) || !z->arc) return status;
     const long n = f->components * f->nodes + f->forced_count;
-    status = apply_zone(z, z->arc->load_column, z->column);
+    load_column(z->form, z->arc, z->column);
+    status = apply_zone(z, z->column, z->column);
     z->slope = inner(z->arc->tangent, z->column, n) - z->arc->rate;
     return status;
 }

@@ -395,40 +395,76 @@ static void set_position(const Form *f, const Arc *arc, double position)
     }
 }
 
+/* How far an unknown has gone from the anchor along the tangent. */
+CLONES static double gone(const Arc *arc, const double *restrict unknown, long n)
+{
+    const double *restrict tangent = arc->tangent;
+    const float *restrict anchor = arc->anchor;
+    double sum = 0.0;
+    for (long k = 0; k < n; k++) sum += tangent[k] * (unknown[k] - (double)anchor[k]);
+    return sum;
+}
+
+/* out += position times dF/ds. */
+CLONES static void add_load(const Form *f, const Arc *arc, double position, double *out)
+{
+    const long n = f->nodes, m = f->components;
+    const double *restrict scale = f->scale;
+    for (long i = 0; i < m; i++) {
+        double *restrict field = out + i * n;
+        const double slope = arc->load_column[i];
+        if (scale)
+            for (long k = 0; k < n; k++) field[k] += position * (slope * scale[k]);
+        else
+            for (long k = 0; k < n; k++) field[k] += position * slope;
+    }
+    for (long row = 0; row < f->forced_count; row++) out[m * n + row] += position * arc->load_column[m + row];
+}
+
+/* Sum of a component's field over nodes, each times its scale. */
+CLONES static double sum_of(const Form *f, const double *restrict field)
+{
+    double sum = 0.0;
+    for (long k = 0; k < f->nodes; k++) sum += f->scale ? f->scale[k] * field[k] : field[k];
+    return sum;
+}
+
 int arc_residual(Form *f, const Arc *arc, const double *unknown, double *out)
 {
     const long n = size_of(f);
     set_position(f, arc, unknown[n]);
     int status = residual(f, unknown, out);
-    double gone = 0.0;
-    for (long k = 0; k < n; k++) gone += arc->tangent[k] * (unknown[k] - arc->anchor[k]);
-    out[n] = gone + arc->rate * unknown[n] - arc->length;
+    out[n] = gone(arc, unknown, n) + arc->rate * unknown[n] - arc->length;
     return status;
 }
 
 void arc_linearise(Form *f, const Arc *arc, const double *unknown)
 {
-    const long n = f->nodes, m = f->components;
+    const long m = f->components;
     set_position(f, arc, unknown[size_of(f)]);
     linearise(f, unknown);
-    for (long i = 0; i < m; i++) {
-        const double slope = -arc->factor[i + MOST] * arc->direction[i] / f->root;
-        for (long k = 0; k < n; k++)
-            arc->load_column[i * n + k] = slope * (f->scale ? f->scale[k] : 1.0);
-    }
+    for (long i = 0; i < m; i++)
+        arc->load_column[i] = -arc->factor[i + MOST] * arc->direction[i] / f->root;
     for (long row = 0; row < f->forced_count; row++) {
         const long i = f->forced[row];
         const double least = fabs(arc->load[i]) > 1.0 ? fabs(arc->load[i]) : 1.0;
-        memset(arc->load_column + i * n, 0, n * sizeof(double));
-        arc->load_column[m * n + row] = -arc->direction[i] / least;
+        arc->load_column[i] = 0.0;
+        arc->load_column[m + row] = -arc->direction[i] / least;
     }
+}
+
+/* dF/ds of the last linearisation, in full. */
+void load_column(const Form *f, const Arc *arc, double *out)
+{
+    memset(out, 0, size_of(f) * sizeof *out);
+    add_load(f, arc, 1.0, out);
 }
 
 int arc_product(Form *f, const Arc *arc, const double *vector, double *out)
 {
     const long n = size_of(f);
     int status = product(f, vector, out);
-    for (long k = 0; k < n; k++) out[k] += vector[n] * arc->load_column[k];
+    add_load(f, arc, vector[n], out);
     out[n] = inner(arc->tangent, vector, n) + arc->rate * vector[n];
     return status;
 }
@@ -437,8 +473,11 @@ int arc_transposed(Form *f, const Arc *arc, const double *vector, double *out)
 {
     const long n = size_of(f);
     int status = transposed_product(f, vector, out);
+    out[n] = arc->rate * vector[n];
+    for (long i = 0; i < f->components; i++) out[n] += arc->load_column[i] * sum_of(f, vector + i * f->nodes);
+    for (long row = 0; row < f->forced_count; row++)
+        out[n] += arc->load_column[f->components + row] * vector[f->components * f->nodes + row];
     for (long k = 0; k < n; k++) out[k] += vector[n] * arc->tangent[k];
-    out[n] = inner(arc->load_column, vector, n) + arc->rate * vector[n];
     return status;
 }
 

@@ -133,8 +133,9 @@ typedef struct { /* of the force form; spectra have `wide` doubles a wave: of ev
 
 typedef struct { /* ArcLength around a form */
     double *start, *direction, *load, *target, *far, *row_scale; /* by component; of the form */
-    const double *factor, *anchor, *tangent;
-    double length, rate, *load_column;
+    const double *factor, *tangent;
+    const float *anchor;
+    double length, rate, *load_column; /* its number for all nodes of a component, and those of force rows */
 } Arc;
 
 typedef struct { /* a circle that a core fits on: the component's compliance there, work for 1 + C D */
@@ -336,6 +337,7 @@ void linearise(Form *f, const double *unknown);
 int product(Form *f, const double *vector, double *out);
 int transposed_product(Form *f, const double *vector, double *out);
 int arc_residual(Form *f, const Arc *arc, const double *unknown, double *out);
+void load_column(const Form *f, const Arc *arc, double *out);
 void arc_linearise(Form *f, const Arc *arc, const double *unknown);
 int arc_product(Form *f, const Arc *arc, const double *vector, double *out);
 int arc_transposed(Form *f, const Arc *arc, const double *vector, double *out);

@@ -135,7 +135,7 @@ class Arc(ctypes.Structure):
     """Arc length around a form."""
 
     _fields_ = [*((name, c_void_p) for name in ("start", "direction", "load", "target", "far",
-                                                "row_scale", "factor", "anchor", "tangent")),
+                                                "row_scale", "factor", "tangent", "anchor")),
                 ("length", c_double), ("rate", c_double), ("load_column", c_void_p)]
 
 

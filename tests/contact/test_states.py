@@ -9,7 +9,7 @@ from contactsnes.contact import edges as following
 from contactsnes.contact import fronts, nearing, states
 from contactsnes.contact.combining import combined
 from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact
-from contactsnes.contact.state import PART, Mirrored, below, everywhere
+from contactsnes.contact.state import PART, Former, Mirrored, below, everywhere, lightest
 from contactsnes.continuation.points import lagrange_weights
 from contactsnes.grid.active import some
 from contactsnes.grid.even import EvenWindow, halved
@@ -221,6 +221,31 @@ def test_onto_keeps_known_nodes_and_takes_the_nearest_elsewhere(start, extent, f
         away = np.abs((here - node + POINTS // 2) % POINTS - POINTS // 2)
         nearest = np.flatnonzero(away == away.min())
         assert any(np.array_equal(column, values[:, k]) for k in nearest)
+
+
+def test_former_states_take_half_the_memory_and_miss_a_ten_millionth_of_the_way():
+    """Of several before one another, too, and of no small ones, nor on another window."""
+    contact, random = plane(points=160), np.random.default_rng(4)
+    whole, means = contact.grid.whole, np.zeros(3)
+    first = random.normal(size=(3, whole.size))
+    ways = 1e-4 * random.normal(size=(2, 3, whole.size))
+    given = [first, first + ways[0], first + ways[0] + ways[1]]
+    oldest, older, last = (states.State(whole, field, means) for field in given)
+    made = Former.of(Former.of(oldest, older), last)
+    for field in (made.displacement, made.once, states.onto(made, whole)):
+        np.testing.assert_allclose(field, given[0], rtol=0, atol=3e-7 * np.abs(ways).max())
+    np.testing.assert_array_equal(made.normal, made.displacement[0])
+    held = [kept for kept in vars(made).values() if isinstance(kept, np.ndarray)]
+    assert sum(kept.nbytes for kept in held) < 0.51 * first.nbytes
+    assert made.components == 3 and made.means is means and lightest(older) is older
+    kept = Former.of(older, last)
+    assert lightest(older) is kept and lightest(kept) is kept
+    del kept
+    assert lightest(older) is older
+    part = Window(contact.grid, [0, 0], [150, 160])
+    assert Former.of(older, states.State(part, np.zeros((3, part.size)), means)) is older
+    few = [states.State(whole, field[:1], means[:1]) for field in given[:2]]
+    assert Former.of(*few) is few[0]
 
 
 def test_onto_in_two_dimensions_and_onto_itself():

@@ -116,6 +116,28 @@ def test_steep_branches_are_passed_where_no_branch_leads_back(depth):
     assert any("by arc length" in sentence for sentence in system.sentences)
 
 
+def test_points_that_but_foretell_others_are_kept_in_less_memory():
+    """Those before the last one: who is handed a point has it as it was found."""
+    class Rounding(System):
+        def lighter(self, points):
+            return [*(replace(point, state=point.state.astype(np.float32).astype(float))
+                      for point in points[:-1]), points[-1]]
+
+    exact, rounding = (bracketed(kind(cubic()), [-1.875, 2.0], [-1.5])[0]
+                       for kind in (System, Rounding))
+    assert events(rounding) == events(exact) and len(rounding) == len(exact) > 8
+    for one, other in zip(exact, rounding):
+        np.testing.assert_allclose(one.state, other.state, rtol=0, atol=1e-6)
+    steps = BracketingSteps(Rounding(cubic()), UNIT_LEG, [(0.0, exact[0])], PREDICTORS["none"],
+                            "jump")
+    for point in exact[1:6]:
+        steps._accept(point)
+    assert [point.position for _, point in steps.history] == [p.position for p in exact[2:6]]
+    assert all((point.state == point.state.astype(np.float32)).all()
+               for _, point in steps.history[:-1])
+    assert steps.history[-1][1].state is exact[5].state
+
+
 @pytest.mark.parametrize("step", [True, False])
 def test_a_step_onto_an_unstable_part_is_refused(step):
     """Linear solves tell of it, and modes of everything are not asked for."""

@@ -20,7 +20,8 @@ from contactsnes.contact.symmetry import Symmetry
 from contactsnes.dynamics import control, jumps, outside, relaxing
 from contactsnes.dynamics.control import Exactness
 from contactsnes.dynamics.endings import Leaving, Rounds, Unsettled
-from contactsnes.dynamics.overdamped import Moment, MotionOptions, OverdampedMotion
+from contactsnes.dynamics.overdamped import MotionOptions, OverdampedMotion
+from contactsnes.dynamics.step_works import Moment, combined, gone_on
 from contactsnes.grid.counter import weighed
 from contactsnes.kernels import library
 from contactsnes.solvers.capabilities import NEWTON
@@ -156,6 +157,25 @@ def test_a_step_of_a_motion_takes_few_arrays_besides_its_solve():
     finally:
         tracemalloc.stop()
     assert most < 3.2 and "spectrum" not in vars(equations.form.convolution.transform)
+
+
+def test_histories_tell_sums_of_moments_in_less_memory():
+    random = np.random.default_rng(3)
+    moments = [Moment(time, *(1.0 + 1e-5 * time * random.normal(size=(2, 50))))
+               for time in (0.0, 1.0, 2.5, 3.0)]
+    history = moments[:1]
+    for moment in moments[1:]:
+        history = gone_on(history, moment)
+    assert [one.time for one in history] == [1.0, 2.5, 3.0] and history[-1] is moments[-1]
+    assert history[0].elastic is None and history[0].unknown.dtype == np.float32
+    assert history[1].elastic.dtype == np.float32
+    weights = [0.5, -2.0, 2.5]
+    for name, known in (("unknown", 3), ("elastic", 2)):
+        exact = sum(weight * getattr(moment, name)
+                    for weight, moment in zip(weights[-known:], moments[-known:]))
+        found = combined(history[-known:], weights[-known:], name)
+        np.testing.assert_allclose(found, exact, rtol=0, atol=5e-11)
+    assert np.array_equal(combined(history[-1:], [2.0]), 2.0 * moments[-1].unknown)
 
 
 # Where jumps end
