@@ -25,7 +25,8 @@ class Operator:
         self.grid, self._make, self._others = grid, make or grid.transform, others
         self.blocks, self._kernels = {}, {}
         for key, symbol in symbols.items():
-            self.blocks[key] = self._alike(key, symbol / grid.size)
+            # column after column, as the library takes them: it makes no copy
+            self.blocks[key] = self._alike(key, np.asfortranarray(symbol / grid.size))
 
     def _alike(self, key, block):
         """A block, or one known that is the same: across the diagonal, or another operator's."""

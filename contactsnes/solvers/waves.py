@@ -46,9 +46,11 @@ class CellWaves:
     def __init__(self, form):
         self.transform, self.grid = form.convolution.transform, form.grid
         self.initial_gap = form.initial_gap
-        self.stiffness = {key: form.grid.size * block
-                          for key, block in form.convolution.blocks.items()}
-        self.compliance, self.respond = form.compliance.blocks, form.compliance.multiply
+        # row after row, as the transform has waves
+        self.stiffness, self.compliance = (
+            {key: np.multiply(factor, block, order="C") for key, block in own.blocks.items()}
+            for factor, own in ((form.grid.size, form.convolution), (1.0, form.compliance)))
+        self.respond = form.compliance.multiply
         self.weights = np.full(self.transform.spectrum.shape[1:], 2.0)
         self.weights[..., list(form.grid.lone_columns())] = 1.0
 
