@@ -156,9 +156,7 @@ class Tracer(Responses, Neighbours, Ends):
             self.arc = arc, create_snes(arc, "" if own else "arc_",
                                         single=quick and many(self.contact), packed=quick)
             self.patience.watch(self.arc[1], self.contact)
-        arc, snes = self.arc
-        arc.aim(*aim)
+        self.arc[0].aim(*aim)
         del aim, first  # of which the arc holds what it needs
-        unknown = arc.joined(form.pack(states.onto(state, form.window), state.means[form.forced]),
-                             position)
-        return form, arc, snes, unknown
+        packed = form.pack(states.onto(state, form.window), state.means[form.forced])
+        return form, *self.arc, self.arc[0].joined(packed, position)

@@ -294,7 +294,7 @@ class Stability(Protocol):
         """The point with ``stable`` and ``unstable_modes``."""
 
     def critical(self, point: Point, number: int) -> tuple:
-        """(real part of an eigenvalue, by its rank in stability; the point with that and its mode)."""
+        """(real part of the eigenvalue of a rank in stability, the point with it and its mode)."""
 
     def aside(self, point: Point) -> Any:
         """A state that differs from a point's by its mode, by a unit at most."""
