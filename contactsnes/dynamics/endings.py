@@ -52,7 +52,7 @@ class Rounds:
         self._steps += 1
         if self._steps >= self._keep:
             self._keep *= 2
-            # (half the memory, and as exact as steps are long that go round)
+            # (half the memory; steps of a round are far longer than what rounding misses)
             self._kept = moment.unknown.astype(np.float32)
             self._farthest, self._returns = 0.0, []
             return False

@@ -33,7 +33,14 @@ def gone_on(history, moment):
 
 
 def combined(history, weights, name="unknown"):
-    """Weighted sum of what some moments of a history have by a name, the last one among them."""
+    """Weighted sum of what moments of a history have, the last one among them.
+
+    Parameters
+    ----------
+    history : its last moments, one to three
+    weights : numbers, one of each
+    name : 'unknown' or 'elastic'
+    """
     *earlier, last = (getattr(one, name) for one in history)
     found = sum(weights) * last
     for weight, change in zip(weights, earlier):
