@@ -283,5 +283,5 @@ def _used(name):
         return options.used(name)
     # older petsc4py does not wrap PetscOptionsUsed; the library it is linked to has it
     flag = ctypes.c_int(0)
-    ctypes.CDLL(PETSc.__file__).PetscOptionsUsed(None, name.encode(), ctypes.byref(flag))
+    ctypes.PyDLL(PETSc.__file__).PetscOptionsUsed(None, name.encode(), ctypes.byref(flag))
     return bool(flag.value)

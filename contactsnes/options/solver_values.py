@@ -60,8 +60,9 @@ WRITTEN = re.compile("(?:ascii|binary|hdf5|vtk)?:([^:,]+)")
 MATRIX_FREE = ("none", "python", "shell", "ksp", "composite")
 """Values of -pc_type that ask for no entries of a matrix."""
 UNUSABLE = {("snes_type", "aspin"): "it solves on subdomains, of which none are known here",
-            ("pc_type", "kaczmarz"): "it asks for rows of the tangent, of which products alone are "
-                                     "known here"}
+            **dict.fromkeys([("pc_type", "kaczmarz"), ("pc_type", "redistribute")],
+                            "it asks for rows of the tangent, of which products alone are known "
+                            "here")}
 """Option, without the prefix of its solver, and value that PETSc would crash with -> why: what else
 cannot be used it says itself."""
 

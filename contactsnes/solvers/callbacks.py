@@ -44,9 +44,9 @@ NO_JACOBIAN = ("-snes_mf leaves no Jacobian to make zones from: take -snes_mf_op
 
 @lru_cache(maxsize=1)
 def connected():
-    """(library, PETSc), the one knowing the functions of the other; None where that cannot be."""
+    """(library, PETSc, which prints with Python's lock), connected; None where that cannot be."""
     try:
-        compiled, petsc = library.shared(), ctypes.CDLL(PETSc.__file__)
+        compiled, petsc = library.shared(), ctypes.PyDLL(PETSc.__file__)
         pointers = library.pointers(compiled)
         for member, name in CALLED.items():
             setattr(pointers, member, library.pointer(petsc, name))

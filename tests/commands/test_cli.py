@@ -556,6 +556,13 @@ def test_events_of_ours_stand_in_the_log_of_petsc(tmp_path):
     assert call("run", *STILL, "-log_view", ":log.txt", folder=tmp_path).returncode == 0
 
 
+def test_petsc_may_say_what_it_does(tmp_path):
+    """It prints within calls of the library, by a function of petsc4py that needs Python's lock."""
+    done = call("run", *STILL, "-info", folder=tmp_path)
+    assert done.returncode == 0 and not done.stderr, done.stderr
+    assert "<snes>" in done.stdout
+
+
 def test_options_that_nobody_asks_for_are_told_before_the_solve(tmp_path):
     words = ["-snes_monitor", "-snes_view", "-ksp_monitor", "-snes_converged_reason",
              "-snes_linesearch_monitor", "-snes_atoll", "3"]
