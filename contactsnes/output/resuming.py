@@ -16,6 +16,7 @@ import numpy as np
 
 from ..options.fields import InputError
 from ..options.files import is_option
+from ..scene.load import Load
 
 SOURCES = ("geometry_file",)
 """Attributes of a scene that say where something came from: its checksum decides."""
@@ -107,12 +108,23 @@ def differences(scene, options, others, other_options, done):
              for name in names]
     found = [(name, *(np.asarray(value).tolist() for value in (old, new)))
              for name, old, new in pairs if not _agree(old, new)]
-    texts = [("load_start", *(entry.get("load_start", "not given") for entry in (before, now)))]
+    starts = (_start(scene, before), _start(others, now))
+    if starts[0] != starts[1]:
+        found.append(("load_start", *(entry.get("load_start", "not given")
+                                      for entry in (before, now))))
+    texts = []
     for number in range(min(done, len(legs(before)))):
         there, here = ([*legs(entry), "not given"][min(number, len(legs(entry)))]
                        for entry in (before, now))
         texts.append((f"leg {number + 1} of load_path, which is done,", there, here))
     return found + [text for text in texts if _meaning(text[1]) != _meaning(text[2])]
+
+
+def _start(scene, options):
+    """Component -> Control where a path begins, by a scene's attributes and options: what is not
+    named, and what is named as it would be anyway, are the same."""
+    isolated = bool(np.any(np.isinf(scene.get("period", 0.0))))
+    return Load(start=options.get("load_start")).initial(int(scene.get("dimension", 1)), isolated)
 
 
 def _without_folder(value):

@@ -416,6 +416,26 @@ def test_method_and_spelling_of_options_do_not_hinder_resuming(tmp_path, options
     assert Archive.resume(tmp_path / "run.h5", **content(options=options)).points == 3
 
 
+@pytest.mark.parametrize("scene, there, here", [
+    ({"period": 30.0}, "", "-load_start normal_displacement=0"),
+    ({"period": 30.0}, "-load_start normal_displacement=0.0", ""),
+    ({"period": np.inf}, "", "-load_start normal_force=0"),
+    ({"period": 30.0}, "-load_start normal_force=1",
+     "-load_start 'tangential_displacement=0, normal_force=1.0'"),
+    ({"period": [9.0, 8.0], "dimension": 2}, "", "-load_start tangential_displacement_y=0")])
+def test_a_start_that_is_named_as_it_is_anyway_does_not_hinder_resuming(tmp_path, scene, there,
+                                                                        here):
+    """At the start displacements are 0, forces of an isolated contact, if they are not named."""
+    path = content()["options"] + " "
+    append(Archive.create(tmp_path / "run.h5", **content(scene=scene, options=path + there)), 3)
+    going_on = content(scene=scene, options=path + here)
+    assert Archive.resume(tmp_path / "run.h5", **going_on).points == 3
+    other = "normal_displacement" if np.isinf(scene["period"]).any() else "normal_force"
+    with pytest.raises(ArchiveError, match=f"load_start is .* there and {other}=0 here"):
+        Archive.resume(tmp_path / "run.h5",
+                       **content(scene=scene, options=f"{path}-load_start {other}=0"))
+
+
 def test_which_options_made_which_points(tmp_path):
     """Readable by h5py alone; a run without points counts for nothing, and points written anew keep
     their run."""
