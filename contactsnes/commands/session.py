@@ -6,7 +6,6 @@ import importlib
 import os
 import platform
 import re
-from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -197,8 +196,7 @@ def _check_types():
                     else meant(text, types, ": leave it out for the usual one"))
             raise InputError(f"-{name} {told}{like}") from None
         finally:
-            with suppress(PETSc.Error):  # pipelcg cannot be given back before it is set up
-                solver.destroy()
+            solver.destroy()
 
 
 def create_branch(settings, log=lambda sentence: None):

@@ -59,12 +59,14 @@ VIEWERS = re.compile("(?:^|_)(?:view|monitor|reason|rate)(?:_|$)")
 WRITTEN = re.compile("(?:ascii|binary|hdf5|vtk)?:([^:,]+)")
 MATRIX_FREE = ("none", "python", "shell", "ksp", "composite")
 """Values of -pc_type that ask for no entries of a matrix."""
+NO_ENTRIES = "it asks for entries of the tangent, of which products alone are known here"
 UNUSABLE = {("snes_type", "aspin"): "it solves on subdomains, of which none are known here",
-            **dict.fromkeys([("pc_type", "kaczmarz"), ("pc_type", "redistribute")],
-                            "it asks for rows of the tangent, of which products alone are known "
-                            "here")}
-"""Option, without the prefix of its solver, and value that PETSc would crash with -> why: what else
-cannot be used it says itself."""
+            ("pc_type", "mpi"): "it solves by a server's processes, of which none are here",
+            ("ksp_type", "pipelcg"): "it may not end where a tangent is not symmetric and positive",
+            **dict.fromkeys((("pc_type", kind) for kind in ("jacobi", "kaczmarz", "redistribute")),
+                            NO_ENTRIES)}
+"""Option, without the prefix of its solver, and value with which PETSc would crash, or go on
+without end, in one version or another -> why: what else cannot be used it says itself."""
 
 
 def refuse_values(entries, nests):
@@ -132,8 +134,7 @@ def without_entries(sentence, entries):
         return ""
     guilty = [f"-{name} is '{text}'" if text else f"-{name}" for name, text in entries.items()
               if re.search("pc_type$|^snes_fd|pc_factor_", name) and text not in MATRIX_FREE]
-    return (f"{'; '.join(guilty) or 'a solver'}: it asks for entries of the tangent, of which "
-            f"products alone are known here; leave it out ({sentence})")
+    return f"{'; '.join(guilty) or 'a solver'}: {NO_ENTRIES}; leave it out ({sentence})"
 
 
 def blamed(sentence, entries, is_solver):

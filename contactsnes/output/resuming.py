@@ -108,8 +108,8 @@ def differences(scene, options, others, other_options, done):
              for name in names]
     found = [(name, *(np.asarray(value).tolist() for value in (old, new)))
              for name, old, new in pairs if not _agree(old, new)]
-    starts = (_start(scene, before), _start(others, now))
-    if starts[0] != starts[1]:
+    # (of another scene, the start may be none of this one's)
+    if not found and _start(scene, before) != _start(scene, now):
         found.append(("load_start", *(entry.get("load_start", "not given")
                                       for entry in (before, now))))
     texts = []

@@ -54,7 +54,7 @@ def _steps():
 
 def _residual():
     """A point is what a loose solver leaves, and told as converged."""
-    from contactsnes.branch import corrector
+    from contactsnes.branch import corrector, equations
     from contactsnes.solvers import snes
 
     create = snes.create_snes
@@ -64,7 +64,7 @@ def _residual():
         found.setTolerances(atol=1e-4)
         return found
 
-    corrector.create_snes = loose
+    equations.create_snes = loose
     point = corrector.Corrector._point
 
     def told(self, form, state, imbalance, *rest):

@@ -182,6 +182,13 @@ def test_legs_that_are_done_are_compared(there, here, done, names):
     assert [name[:5] for name, *_ in found] == names
 
 
+def test_another_scene_is_told_before_a_start_that_is_none_of_its():
+    start = "-load_start tangential_displacement_y=1"
+    assert resuming.differences({"dimension": 2}, start, {"dimension": 1}, "", 0) == [
+        ("dimension", 2, 1)]
+    assert resuming.differences({"dimension": 2}, start, {"dimension": 2}, "", 0)[0][0] == "load_start"
+
+
 def test_scenes_are_compared_by_value_and_not_by_the_last_bit():
     there = {"normal_maugis": 0.1, "period": (3.0, np.inf), "seed": 2 ** 32 - 1, "law": "modified",
              "geometry_file": "a.npy"}
