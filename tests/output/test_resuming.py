@@ -186,7 +186,8 @@ def test_another_scene_is_told_before_a_start_that_is_none_of_its():
     start = "-load_start tangential_displacement_y=1"
     assert resuming.differences({"dimension": 2}, start, {"dimension": 1}, "", 0) == [
         ("dimension", 2, 1)]
-    assert resuming.differences({"dimension": 2}, start, {"dimension": 2}, "", 0)[0][0] == "load_start"
+    ((name, *_),) = resuming.differences({"dimension": 2}, start, {"dimension": 2}, "", 0)
+    assert name == "load_start"
 
 
 def test_scenes_are_compared_by_value_and_not_by_the_last_bit():
