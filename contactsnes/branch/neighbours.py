@@ -36,9 +36,9 @@ class Neighbours:
     def lighter(self, points):
         """Points of a branch, oldest first, whose states but the last one's take half the
         memory."""
-        last = points[-1].state
-        return [*(point.changed(state=Former.of(point.state, last)) for point in points[:-1]),
-                points[-1]]
+        lighter = Former.row([point.state for point in points])
+        return [point if state is point.state else point.changed(state=state)
+                for point, state in zip(points, lighter)]
 
     def extrapolate(self, points, weights):
         """Weighted sum of states at fixed places."""

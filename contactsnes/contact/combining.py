@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..kernels import points
-from .state import alike, spread, weighted
+from .state import alike, spread, told_apart, weighted
 
 
 def combined(contact, states, weights):
@@ -16,31 +16,37 @@ def combined(contact, states, weights):
     states : list of State
     weights : numbers, one a state
     """
-    _, nodes, (last, *others) = alike(contact, states[-1:], states[:-1])
-    displacement, _ = without_overlap(contact, nodes, [*others, last], weights)
+    whole, each, *changed = told_apart(states, weights)
+    _, nodes, (last, *others) = alike(contact, whole[-1:], whole[:-1])
+    normal = last[0] if whole[-1] is states[-1] else states[-1].normal
+    displacement, _ = without_overlap(contact, nodes, [*others, last], each, normal, *changed)
     return spread(nodes, displacement, weighted([state.means for state in states], weights))
 
 
-def without_overlap(contact, nodes, known, weights):
-    """Weighted sum of displacements (components, nodes), without normal gaps below a floor, one
-    range below those of the last ones: where an extrapolation leads into deep overlap, it would
+def without_overlap(contact, nodes, known, weights, last, changes=(), shares=()):
+    """Weighted sum of displacements, and of changes of such, without normal gaps below a floor, one
+    range below those of the last state: where an extrapolation leads into deep overlap, it would
     meet the exponential. And that floor.
 
     Parameters
     ----------
     contact : Contact
     nodes : Window, or EvenWindow
-    known : list of arrays (components, nodes)
-    weights : numbers, one of each
+    known, changes : lists of arrays (components, nodes), these in single precision
+    weights, shares : numbers, one of each
+    last : array (nodes,), normal displacement of the last state
     """
-    compiled, gap, last = contact.kernels.compiled, contact.gap_on(nodes), known[-1][0]
+    compiled, gap = contact.kernels.compiled, contact.gap_on(nodes)
     closest = points.closest(last, gap) if compiled else np.min(last + gap, initial=np.inf)
     floor = -contact.grid.largest(-closest) - 1.0
-    return (points.combined if compiled else _combined)(known, weights, gap, floor), floor
+    return (points.combined if compiled else _combined)(known, weights, changes, shares, gap,
+                                                        floor), floor
 
 
-def _combined(known, weights, initial_gap, floor):
+def _combined(known, weights, changes, shares, initial_gap, floor):
     """As `kernels.points.combined`."""
     displacement = weighted(known, weights)
+    for change, share in zip(changes, shares):
+        displacement += share * change.astype(float)
     np.maximum(displacement[0], floor - initial_gap, out=displacement[0])
     return displacement

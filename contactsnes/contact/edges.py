@@ -118,7 +118,7 @@ def _followed(contact, states, nodes, known, weights, places, target):
     places, target : of `_moved_places`
     """
     window, initial, hull = states[-1].window, contact.gap_on(nodes), nodes.parts[0]
-    found, floor = without_overlap(contact, nodes, known, weights)
+    found, floor = without_overlap(contact, nodes, known, weights, known[-1][0])
     part, near = _near_part(nodes, below(known[-1][0], initial, contact.law.range))
     moved = weighted([_stretched(contact, state, window, place, target, part)
                       for state, place in zip(states, places)], weights)

@@ -11,7 +11,8 @@ from ..grid.nearest import nearest
 PART = 2 ** 14
 """Nodes that are looked at at a time."""
 LARGE = 2 ** 16
-"""Displacements of a state from which on half of their memory counts."""
+"""Displacements of a state from which on half of their memory counts; of one component, whose
+solves hold a third, the time to make them anew counts more."""
 
 _FORMER = weakref.WeakKeyDictionary()
 """State -> reference to the `Former` that was made of it last."""
@@ -112,7 +113,7 @@ class Former(State):
         state, later : State
         """
         if (state.half is not None or later.half is not None or state.window != later.window
-                or state.components != later.components
+                or state.components != later.components or state.components == 1
                 or state.components * state.window.size < LARGE):
             return state
         made = object.__new__(cls)
@@ -122,10 +123,35 @@ class Former(State):
         _FORMER[state] = weakref.ref(made)
         return made
 
+    @classmethod
+    def row(cls, states):
+        """Those of states, oldest first, each known by the next, but for the last one, which stays
+        as it is.
+
+        Parameters
+        ----------
+        states : sequence of State, the `Former` ones of an earlier row among them
+        """
+        made = [states[-1]]
+        for state in states[-2::-1]:
+            if isinstance(state, cls) and lightest(state._later) is made[-1]:
+                vars(state).update(_later=made[-1])
+            else:
+                state = cls.of(state, made[-1])
+            made.append(state)
+        return made[::-1]
+
     @property
     def displacement(self):
         """Displacements on the window, array (components, nodes)."""
-        return self._later.displacement + self._change
+        state, changes = self, []
+        while isinstance(state, Former):
+            changes.append(state._change)
+            state = state._later
+        found = state.displacement + changes.pop()
+        for change in changes[::-1]:
+            found += change
+        return found
 
     once = displacement
 
@@ -133,6 +159,25 @@ class Former(State):
     def normal(self):
         """Normal displacement (nodes)."""
         return self._later.normal + self._change[0]
+
+
+def told_apart(states, weights):
+    """What a weighted sum of states is one of, as of them: states that are known in full, the last
+    one's last, and their weights; changes in single precision on its window, and theirs.
+
+    Parameters
+    ----------
+    states : list of State
+    weights : numbers, one a state
+    """
+    whole, changes = {}, {}
+    for state, weight in zip(states[::-1], weights[::-1]):
+        while isinstance(state, Former) and state.window == states[-1].window:
+            changes[state] = weight + changes.get(state, 0.0)
+            state = state._later
+        whole[state] = weight + whole.get(state, 0.0)
+    return ([*whole][::-1], [*whole.values()][::-1], [state._change for state in changes],
+            [*changes.values()])
 
 
 def lightest(state):

@@ -231,9 +231,10 @@ double closest(long nodes, const double *displacement, const double *initial_gap
     return -deepest;
 }
 
-/* out = weighted sum of fields (m, nodes), without gaps below `floor`. */
-CLONES void combined(long m, long nodes, long count, const double *const *known, const double *weights,
-                     const double *restrict initial_gap, double floor, double *restrict out)
+/* out = weighted sum of fields (m, nodes), and of changes in single precision, without gaps below `floor`. */
+CLONES void combined(long m, long nodes, long count, const double *const *known, const double *weights, long more,
+                     const float *const *changes, const double *shares, const double *restrict initial_gap,
+                     double floor, double *restrict out)
 {
     for (long i = 0; i < m; i++)
         for (long from = 0; from < nodes; from += SOME) {
@@ -244,6 +245,10 @@ CLONES void combined(long m, long nodes, long count, const double *const *known,
             for (long j = 1; j < count; j++) {
                 const double *restrict x = known[j] + at, w = weights[j];
                 for (long k = 0; k < n; k++) part[k] += w * x[k];
+            }
+            for (long j = 0; j < more; j++) {
+                const float *restrict x = changes[j] + at;
+                for (long k = 0; k < n; k++) part[k] += shares[j] * x[k];
             }
             for (long k = 0; k < n; k++) {
                 const double least = i ? part[k] : floor - initial_gap[from + k];

@@ -1,6 +1,7 @@
 """What is asked of fields and of paths, in the library."""
 
 import math
+from ctypes import c_void_p
 
 import numpy as np
 
@@ -38,20 +39,21 @@ def closest(displacement, initial_gap):
     return shared().closest(len(displacement), address(displacement), address(initial_gap))
 
 
-def combined(known, weights, initial_gap, floor):
-    """Weighted sum of displacements (components, nodes), without normal gaps below a floor.
+def combined(known, weights, changes, shares, initial_gap, floor):
+    """Weighted sum of displacements (components, nodes), and of changes of such, without normal
+    gaps below a floor.
 
     Parameters
     ----------
-    known : list of arrays (components, nodes)
-    weights : numbers, one of each
+    known, changes : lists of arrays (components, nodes), these in single precision
+    weights, shares : numbers, one of each
     initial_gap : array (nodes,)
     floor : float
     """
-    states, (initial_gap, weights) = States(known), _flat(initial_gap, weights)
-    found = np.empty(states.shape)
-    shared().combined(*found.shape, states.count, states.places, address(weights),
-                      address(initial_gap), floor, address(found))
+    states, (initial_gap, weights, shares) = States(known), _flat(initial_gap, weights, shares)
+    found, places = np.empty(states.shape), (c_void_p * len(changes))(*map(address, changes))
+    shared().combined(*found.shape, states.count, states.places, address(weights), len(changes),
+                      places, address(shares), address(initial_gap), floor, address(found))
     return found
 
 

@@ -15,6 +15,7 @@ from contactsnes.grid.active import some
 from contactsnes.grid.even import EvenWindow, halved
 from contactsnes.grid.windows import Window
 from contactsnes.interface.laws import Law
+from contactsnes.kernels.choice import chosen
 from contactsnes.scene.settings import Scene, Steps
 
 POINTS = 512
@@ -246,6 +247,26 @@ def test_former_states_take_half_the_memory_and_miss_a_ten_millionth_of_the_way(
     assert Former.of(older, states.State(part, np.zeros((3, part.size)), means)) is older
     few = [states.State(whole, field[:1], means[:1]) for field in given[:2]]
     assert Former.of(*few) is few[0]
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_former_states_are_known_by_the_next_and_combined_as_they_are(compiled):
+    """The last one of a sum may be a former one itself; of a row that goes on, only the state
+    behind the last one is made anew."""
+    contact = Contact(plane(points=160).scene, kernels=chosen(compiled))
+    random = np.random.default_rng(5)
+    whole, ways = contact.grid.whole, 1e-3 * random.normal(size=(4, 3, contact.grid.size))
+    given = [states.State(whole, field, field.mean(axis=1))
+             for field in 1.0 + np.cumsum(ways, axis=0)]
+    row = Former.row(given[:3])
+    longer = Former.row([*row, given[3]])
+    assert row[2] is given[2] and longer[3] is given[3] and longer[:2] == row[:2]
+    assert all(isinstance(state, Former) for state in longer[:3])
+    for light, plain in ((longer, given), (longer[:3], given[:3]), (longer[2:], given[2:])):
+        weights = np.array([-1.0, 0.5, 2.5, -1.0])[:len(light)]
+        found, expected = (combined(contact, known, weights) for known in (light, plain))
+        np.testing.assert_allclose(found.displacement, expected.displacement, rtol=0, atol=3e-9)
+        np.testing.assert_array_equal(found.means, expected.means)
 
 
 def test_onto_in_two_dimensions_and_onto_itself():

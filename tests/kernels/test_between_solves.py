@@ -173,9 +173,12 @@ def test_ways_of_steps(components, nodes, weighted):
 @pytest.mark.parametrize("count", [1, 2, 4, 5])
 @pytest.mark.parametrize("components, nodes", [(1, 1), (1, 700), (3, 259)])
 def test_combined_states(components, nodes, count):
-    """Weighted sums by the library and by NumPy, without gaps below a floor."""
+    """Weighted sums by the library and by NumPy, of changes in single precision, too, without gaps
+    below a floor."""
     known, gap, weights = fields(components, nodes, count)
-    given = list(known), np.array([1.5, -0.7, 0.3, 0.2, 0.1])[:count], gap
+    changes = [0.1 * field.astype(np.float32) for field in known[1:]]
+    given = (list(known), np.array([1.5, -0.7, 0.3, 0.2, 0.1])[:count], changes,
+             [0.4, -0.2, 0.3, 0.5][:count - 1], gap)
     for floor in (-np.inf, 1.0):
         np.testing.assert_allclose(points.combined(*given, floor),
                                    combining._combined(*given, floor), rtol=1e-14, atol=1e-15)
