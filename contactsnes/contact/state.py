@@ -105,8 +105,8 @@ class Former(State):
 
     @classmethod
     def of(cls, state, later):
-        """The one of a state; the state itself where it is small, or at other nodes than the later
-        one.
+        """The one of a state; the state itself where it is small, of one component, or at other
+        nodes than the later one.
 
         Parameters
         ----------
@@ -162,8 +162,9 @@ class Former(State):
 
 
 def told_apart(states, weights):
-    """What a weighted sum of states is one of, as of them: states that are known in full, the last
-    one's last, and their weights; changes in single precision on its window, and theirs.
+    """A weighted sum of states by what they are kept as: the states in full that it is one of, that
+    of the last behind the others, and their weights; changes in single precision on its window, and
+    the weights of these.
 
     Parameters
     ----------

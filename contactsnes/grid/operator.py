@@ -26,7 +26,7 @@ class Operator:
         self.blocks, self._kernels = {}, {}
         for key, symbol in symbols.items():
             # column after column, as the library takes them: it makes no copy
-            self.blocks[key] = self._alike(key, np.asfortranarray(symbol / grid.size))
+            self.blocks[key] = self._alike(key, np.divide(symbol, grid.size, order="F"))
 
     def _alike(self, key, block):
         """A block, or one known that is the same: across the diagonal, or another operator's."""
