@@ -34,8 +34,8 @@ FALLING = {"points": 1.4, "transforms": 1.6}
 """Times as many where friction falls with the slip, so that sliding begins with a jump."""
 RUNNING = 120e6
 """Bytes of Python and its libraries."""
-ITERATIONS = 50
-"""Krylov iterations of the hardest solve on a rough plane."""
+ITERATIONS = 30
+"""Krylov iterations of a hard solve on a rough plane, rarely more."""
 PACKED, UNIFORM, PACKING = {1: 0.8, 2: 0.42, 4: 0.235}, 0.3, {1: 3e-9, 2: 7e-8}
 """Bytes of active fields in the file over those before they are compressed, by the number of mirror
 images that are alike; that of planes whose shape does not vary along a direction over it;

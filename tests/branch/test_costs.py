@@ -210,7 +210,7 @@ print((held("VmHWM") - before) / 8 / points ** 2, jumps)
 def test_memory_of_a_rough_plane(points, start, path, slope, components, most):
     """Where the law acts on all nodes, in arrays of these: measured 20, 47, and, where linear
     solves are long and a spot jumps, 20, and of three components 56, with PETSc 3.18; 19, 51, 19
-    and 71 with PETSc 3.26 and NumPy 2; more is told, for solves of 20 iterations, and of 50."""
+    and 71 with PETSc 3.26 and NumPy 2; more is told, for solves of 20 iterations, and of 30."""
     arguments = [str(points), f"normal_displacement={start}", path, str(slope)]
     done = subprocess.run([sys.executable, "-c", ROUGH, *arguments], capture_output=True,
                           text=True, timeout=300, check=True)
@@ -218,7 +218,7 @@ def test_memory_of_a_rough_plane(points, start, path, slope, components, most):
     hard = {"iterations": costs.ITERATIONS} if slope < 6.0 else {}
     told = memory_of_solve(nodes, nodes, **hard) / 8 / points ** 2
     assert (int(jumps) > 0) is (slope < 6.0)
-    assert 0.3 * told < float(held) < min(most, told)
+    assert 0.4 * told < float(held) < min(most, told)
 
 
 EVEN = MEMORY + """
