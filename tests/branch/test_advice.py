@@ -75,7 +75,7 @@ def test_lines_tell_all_of_it():
 def test_the_ring_of_attraction_is_what_counts_as_contact():
     """Its area by theory, and contact_area of a solved branch."""
     scene = Scene(dimension=2, geometry="sphere", normal_maugis=3.0, tangential_maugis=1.5,
-                  residual_friction=1.0, height=math.inf, points=256, period=16.0)
+                  residual_friction=1.0, height=math.inf, points=128, period=16.0)
     load = Load(path="normal_force=4; tangential_displacement_x=40", stop="gross_sliding")
     found = theory.theory(scene, 4.0)
     branch = Branch(scene, load, Steps(largest_step=(3.0, 0.5), initial_step=(1.0, 0.25)))

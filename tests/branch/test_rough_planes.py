@@ -67,7 +67,8 @@ def heights():
     return made
 
 
-@pytest.fixture(scope="module", params=["bracketed", "followed", "narrowed", "nested", "turned"])
+@pytest.fixture(scope="module", params=[
+    "bracketed", "followed", "narrowed", pytest.param("nested", marks=pytest.mark.study), "turned"])
 def pressed(request, heights, tmp_path_factory):
     """A branch through jumps, its points and its log; where nothing leads back through a bracket by
     what the branch between both states tells, in narrower brackets, one in another, and by arc

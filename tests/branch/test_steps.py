@@ -95,9 +95,9 @@ def test_a_trace_finds_both_of_two_folds_near_each_other(maugis, begin, form, st
     np.testing.assert_allclose(folds(points)[:, 0], NEIGHBOURS[maugis], rtol=1e-8)
 
 
-@pytest.mark.parametrize("form, step", [("displacement", 0.704), ("force", 0.704),
-                                        ("displacement", 0.2),
-                                        pytest.param("force", 0.2, marks=pytest.mark.study)])
+@pytest.mark.parametrize("form, step", [
+    ("displacement", 0.704), pytest.param("force", 0.704, marks=pytest.mark.study),
+    ("displacement", 0.2), pytest.param("force", 0.2, marks=pytest.mark.study)])
 def test_a_trace_passes_nearly_broken_bifurcations_on_its_branch(form, step, tmp_path):
     """Two spots that are nearly the same, of which one makes contact first: the branch on which it
     is the other one is near.

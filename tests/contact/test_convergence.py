@@ -236,6 +236,7 @@ def test_stiffness_of_a_bonded_strip(strip):
     assert abs(errors[-1]) < 4e-4
 
 
+@pytest.mark.study
 def test_strength_of_a_bonded_strip(strip):
     """Law of McGarry et al., short range: the first maximum of T is that of a brittle crack in mode
     II, lambda_t^-1.7."""

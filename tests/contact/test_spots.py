@@ -336,7 +336,7 @@ def test_boxes_change_nothing_on_a_line(path, start, tmp_path, always):
     same(branch, points, points_of(scene, path, start, "off")[1])
 
 
-@pytest.mark.parametrize("path", ["normal_displacement=0.4",
+@pytest.mark.parametrize("path", [pytest.param("normal_displacement=0.4", marks=pytest.mark.study),
                                   "normal_force=hold, tangential_displacement_x=0.5"])
 def test_boxes_change_nothing_in_the_plane(path, tmp_path, always):
     scene = plane_scene(tmp_path)

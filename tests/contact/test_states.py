@@ -782,6 +782,7 @@ def test_stiff_fronts_are_followed_without_refused_steps():
     assert points[-1].load[1] == pytest.approx(finer[-1].load[1], rel=2e-3)
 
 
+@pytest.mark.study
 def test_followed_fronts_halve_the_cost_of_incipient_sliding(monkeypatch):
     """And lead to the same fold."""
     scene = Scene(points=2048, period=20.0, height=100.0, normal_maugis=3.0, tangential_maugis=6.0,

@@ -1466,8 +1466,9 @@ def key(point):
     )
 
 
-@pytest.mark.parametrize("fails", [lambda load: False, lambda load: np.sin(360.0 * load) > 0.85],
-                         ids=["smooth", "failures"])
+@pytest.mark.parametrize("fails", [
+    pytest.param(lambda load: False, id="smooth", marks=pytest.mark.study),
+    pytest.param(lambda load: np.sin(360.0 * load) > 0.85, id="failures")])
 def test_a_resumed_path_is_the_same(fails):
     """From any point but a fold, which is found again (a later jump needs the state beyond it)."""
     values = [-1.875, 2.0, -2.0]

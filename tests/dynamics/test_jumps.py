@@ -110,7 +110,8 @@ class OnTheCell:
                          (({}, (D,), (-1.0,), 0.0, 0.0, True), ({}, (D,), (-1.0,), 0.0, 0.0, False),
                           ({}, (F,), (0.5,), 1.0, 0.0, True), (LAYER, (D, D), (1.0, 20.0), 0.0, 0.5,
                                                                False),
-                          (LAYER, (F, F), (1.0, 1.2), 0.5, 0.1, False)))
+                          pytest.param(LAYER, (F, F), (1.0, 1.2), 0.5, 0.1, False,
+                                       marks=pytest.mark.study)))
 def test_the_motion_is_that_of_its_equations(changes, controls, load, by, slip, even):
     contact = Contact(Scene(**{**LINE, **changes, "points": 128}))
     start = lifted(contact, controls, load, by, slip)
@@ -296,8 +297,9 @@ def test_works_on_the_interface_are_known_from_out_of_the_laws_range_on(jumped):
     assert np.isnan(jump.viscous_work)
 
 
-@pytest.mark.parametrize("law, poisson, slip", (("modified", 0.5, 1.0), ("mcgarry", 0.0, 0.0),
-                                                ("dugdale", 0.3, 1.5)))
+@pytest.mark.parametrize("law, poisson, slip", [
+    pytest.param("modified", 0.5, 1.0, marks=pytest.mark.study), ("mcgarry", 0.0, 0.0),
+    pytest.param("dugdale", 0.3, 1.5, marks=pytest.mark.study)])
 def test_a_jump_from_out_of_the_laws_range_loses_what_motion_from_afar_does(law, poisson, slip):
     """No potential tells, and slip goes back on the way, far before the body is one range away."""
     scene = Scene(points=48, period=12.0, height=10.0, poisson=poisson, normal_maugis=1.5, law=law,
@@ -415,6 +417,7 @@ def test_what_relative_tolerances_leave_does_not_keep_a_motion_up(monkeypatch):
     assert found["loose"].spent["function_evaluations"] < 200  # 1500 where solves leave no less
 
 
+@pytest.mark.study
 def test_what_solves_leave_does_not_keep_a_motion_up():
     """A sphere on a grid that pins its edge: whether rounding kept its motion on for a thousand
     steps was chance, and differed between compiled kernels and NumPy."""
@@ -864,10 +867,11 @@ def test_what_a_motion_took_is_given_back_when_a_jump_is_over():
     gc.collect()
     alive, events = [], []
     for point in rough_line():
-        alive.append(sum(isinstance(thing, DisplacementForm) for thing in gc.get_objects()))
         events.append(point.event)
+        if point.position in (0.0, 1.0):
+            alive.append(sum(isinstance(thing, DisplacementForm) for thing in gc.get_objects()))
     assert events.count("jump") == 3
-    assert alive[-1] <= alive[0] + 1
+    assert len(alive) > 1 and alive[-1] <= alive[0] + 1
 
 
 @pytest.mark.parametrize("even", [False, True])
