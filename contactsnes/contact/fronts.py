@@ -17,6 +17,10 @@ that to be no chance. Where a grid pins fronts, they miss it by a part of a spac
 of the cohesive length than this."""
 LEAST = 4.0
 """Nodes that lie at least between places that are followed."""
+FILLED = 0.25
+"""Part of the box around all nodes where the law may act that these are at least, where they are
+one spot and its surroundings: of a disc 0.79, of hundreds of places that hardly touch a few
+hundredths."""
 ROUND = 3
 """Nodes by which a spot, at either of its ends, is shorter on the line through its middle than as a
 whole, at most."""
@@ -60,8 +64,8 @@ def edges(contact, state):
 
 
 def may_be_lone(contact, state):
-    """Whether `edges` may find one spot in a state on some nodes of a box, told by these nodes: on
-    the lines through the middle of all that touch there are as many as from first to last.
+    """Whether `edges` may find one spot in a state on some nodes of a box, and all these lie around
+    it: on the lines through the middle of all that touch there are as many as from first to last.
 
     Parameters
     ----------
@@ -69,15 +73,23 @@ def may_be_lone(contact, state):
     state : State on `grid.active.Nodes`
     """
     window, level = state.window, contact.scene.contact_threshold
-    touching = window.places[below(state.normal, contact.gap_on(window), level)]
-    rows, columns = np.divmod(touching, window.shape[1])
-    known = rows + window.start[0], columns
-    (top, bottom), (left, right) = contact.grid.ends(known)
+    rows, columns = _rows_and_columns(
+        window, window.places[below(state.normal, contact.gap_on(window), level)])
+    (top, bottom), (left, right) = contact.grid.ends((rows, columns))
     if top > bottom:
         return False
     beside = contact.grid.count(columns == (left + right + 1) // 2)
-    across = contact.grid.count(known[0] == (top + bottom + 1) // 2)
-    return beside > bottom - top - 2 * ROUND and across > right - left - 2 * ROUND
+    across = contact.grid.count(rows == (top + bottom + 1) // 2)
+    if beside <= bottom - top - 2 * ROUND or across <= right - left - 2 * ROUND:
+        return False
+    (top, bottom), (left, right) = contact.grid.ends(_rows_and_columns(window, window.places))
+    return window.total > FILLED * (bottom - top + 1) * (right - left + 1)
+
+
+def _rows_and_columns(window, places):
+    """Rows of the cell, and columns of the box, of nodes by their numbers in a window's box."""
+    rows, columns = np.divmod(places, window.shape[1])
+    return rows + window.start[0], columns
 
 
 def _normal_gap(contact, state):

@@ -590,6 +590,14 @@ def test_what_has_an_edge_on_a_box_may_have_one_on_some_of_its_nodes(monkeypatch
     assert not fronts.may_be_lone(contact, touching)
     monkeypatch.setattr(following, "onto", None)
     assert following.follow_edge(contact, [touching, touching], np.array([-1.0, 2.0])) is None
+    # one of many places touches, and what is around it is not all that comes near
+    gap = np.where(x ** 2 + y ** 2 < 1.0, -1.0, np.cos(8.0 * x) + np.cos(8.0 * y) + 1.5)
+    places = np.flatnonzero(gap < 0.0)
+    for nodes, told in ((places, False), (np.flatnonzero(x ** 2 + y ** 2 < 9.0), True)):
+        nodes = some(contact.grid.whole, nodes)
+        one = np.where(x ** 2 + y ** 2 < 1.0, -1.0, 1.0) + contact.scene.contact_threshold
+        peak = states.State(nodes, nodes.take((one - contact.initial_gap)[None]), np.zeros(1))
+        assert fronts.may_be_lone(contact, peak) is told
     apart = states.State(few, touching.displacement + 9.0, np.zeros(1))
     assert not fronts.may_be_lone(contact, apart)
 
