@@ -125,7 +125,7 @@ def sharpened(contact, finer, state):
     gap = window.box(finer.law.gap_of_regularised(smooth, stiffness))
     del smooth  # (what lies on the finest grid is not kept through the transforms that follow)
     # The sharper law reaches less far.
-    within = gap < finer.law.range
+    within = gap < finer.law.reach
     part = tuple(extent(within, axis, margin=2 + count // 20)
                  for axis, count in enumerate(window.shape))
     known = (gap - window.box(window.take(finer.initial_gap)))[part]
@@ -152,7 +152,7 @@ def _in_rows(contact, finer, state, ratio, stiffness):
     smooth = contact.law.regularised(gap.reshape(-1), stiffness / ratio ** 2) / ratio
     gap = refined_field(finer.grid, smooth.reshape(gap.shape)).reshape(-1)
     gap = finer.law.gap_of_regularised(gap, stiffness)
-    window = some(finer.grid.whole, np.flatnonzero(gap < finer.law.range))
+    window = some(finer.grid.whole, np.flatnonzero(gap < finer.law.reach))
     gap = gap[window.places] - window.take(finer.initial_gap)
     found = states.State(window, gap[None], state.means / ratio)
     return states.State(finer.grid.whole, finer.extended(found).reshape(1, -1), found.means)

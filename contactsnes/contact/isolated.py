@@ -51,7 +51,7 @@ def half_width(scene, force):
         radius = jkr_sphere_radius(force)
         gap = lambda s: radius ** 2 / math.pi * (math.sqrt(s * s - 1)
                                                  + (s * s - 2) * math.acos(1 / s))
-    wanted = laws.of(scene).range / scene.normal_maugis * curvature ** (1 / 3)
+    wanted = laws.of(scene).reach / scene.normal_maugis * curvature ** (1 / 3)
     farthest = 10.0 + 10.0 * math.sqrt(wanted) / radius
     reach = radius * bracketed_root(lambda s: gap(s) - wanted, 1.0, farthest)
     return curvature ** (-2 / 3) * reach

@@ -277,7 +277,7 @@ class Contact:
         """The window around nodes of the cell, or its half, within the law's range by their gap, or
         all nodes where contact may go beyond it."""
         far = self.scene.contact_threshold > self.law.certain
-        near = normal_gap < (np.inf if far else self.law.range)
+        near = normal_gap < (np.inf if far else self.law.reach)
         if self.convex or self.grid.shared:
             return enclosing(self.grid, near, 0.05, half)
         return fitting(self.grid, near if half is None
@@ -288,7 +288,7 @@ class Contact:
         """Mask of the nodes of the cell whose normal gap (delta_n) is within the law's range, or
         that an interpolation of the edge of contact asks for, with room for it to move."""
         touching = normal_gap < self.scene.contact_threshold + ROOM
-        return (normal_gap < self.law.range) | widened(self.grid, touching, SUPPORT)
+        return (normal_gap < self.law.reach) | widened(self.grid, touching, SUPPORT)
 
 
 def _of_heights(scene, heights):

@@ -37,7 +37,7 @@ def on_nodes(contact, state, afresh=False):
     some = isinstance(state.window, Nodes)
     if not afresh and (some or state.window.is_whole):
         acting = contact.grid.count(below(state.normal, contact.gap_on(state.window),
-                                          contact.law.range))
+                                          contact.law.reach))
         # more than WORTH of the cell, and no window but the cell holds them
         if acting > (SPARSE * state.window.total if some else WORTH * state.window.total):
             return state

@@ -64,7 +64,7 @@ def _at_rim(contact, state):
 def will_do(contact, state):
     """Whether a state's box, or boxes, are about what the law needs for it: not the cell, neither
     much wider nor narrower, and none of them idle."""
-    window, reach = state.window, contact.law.range
+    window, reach = state.window, contact.law.reach
     if window.is_whole:
         return False
     if len(window.parts) > 1:

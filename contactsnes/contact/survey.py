@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..grid.alternation import REACH, across_rows
-from ..interface.laws.law import softening
+from ..interface.law_measures import softening
 from ..kernels.laws import kernel_of
 from ..kernels.sites import Site
 from ..scene.resolution import sharpness

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from contactsnes import Branch, Contact, InputError, Load, Scene
+from contactsnes import Branch, Contact, Form, InputError, Load, Scene
 from contactsnes.interface import laws, own_laws
 from contactsnes.interface.laws.law import Law
 from contactsnes.interface.laws.mcgarry import McGarry
@@ -450,6 +450,30 @@ class Bilinear(Law):
 
 def test_corners_where_laws_are_looked_at_are_corners_all_the_same():
     own_laws.check(Bilinear(), "Bilinear")
+
+
+class Ending(Law):
+    """Attraction that ends in a corner, where its range does."""
+
+    range = opening_range = 4.0
+    gap_corners, slip_peak = (0.0, 1.0, 4.0), 1.0
+
+    def tractions(self, a, b):
+        opened = np.where(a < 1.0, a, np.where(a < 4.0, (4.0 - a) / 3.0, 0.0 * a))
+        return 0.4 * opened, 0.1 * np.exp(-b * b) * np.clip(1.0 - a / 4.0, 0.0, 1.0)
+
+
+def test_a_law_that_acts_up_to_its_range_acts_at_all_nodes():
+    """Those beyond 30/37 of the range, where a exp(-a) is nothing, were left out of windows: points
+    balanced on these, but not beside them."""
+    law, both = Ending(), []
+    scene = Scene(points=160, period=24.0, normal_maugis=2.0, height=math.inf)
+    for window in ("auto", "off"):
+        *_, point = Branch(scene, Load("normal_displacement=-2", "normal_displacement=-1.97"),
+                           form=Form(window=window), law=law)
+        both.append(point.forces[0])
+    assert both[0] == pytest.approx(both[1], rel=1e-6)
+    assert law.certain == 4.0 < law.reach and Modified().reach == Law.range
 
 
 @pytest.mark.parametrize("cls, words", (

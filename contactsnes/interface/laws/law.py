@@ -13,19 +13,11 @@ import numpy as np
 
 from ..declared import Declared
 from ..formula import Formula, Tractions
+from ..law_measures import certain_gap, softening
 
 MADE = ("formula", "_evaluated", "evaluate", "normal")
 """Attributes that are made of all others: a formula, its programs, and compiled ones in their
 place."""
-
-
-def softening(tangent):
-    """Minus the smallest real eigenvalue of a law's scaled tangent, array (2, 2, nodes); 0 where it
-    is positive or none is real."""
-    (normal, opening), (weakening, slipping) = tangent
-    discriminant = 0.25 * (normal - slipping) ** 2 + opening * weakening
-    return np.where(discriminant >= 0.0, np.maximum(np.sqrt(np.maximum(discriminant, 0.0))
-                                                    - 0.5 * (normal + slipping), 0.0), 0.0)
 
 
 def slip_of(gap):
@@ -233,11 +225,17 @@ class Law(Declared):
             known[normal_maugis, tangential_maugis] = float(np.max(softening(tangent)))
         return known[normal_maugis, tangential_maugis]
 
-    @property
+    @cached_property
     def certain(self):
-        """Normal gap, in ranges, that every node outside a window must have: 30 of 37, where a
-        exp(-a) is below 1e-11 of its peak."""
-        return 30.0 * self.range / 37.0
+        """Normal gap, in ranges, that every node outside a window must have
+        (`law_measures.certain_gap`)."""
+        return certain_gap(self)
+
+    @property
+    def reach(self):
+        """Normal gap of the nodes that a window takes, in ranges, more than ``certain``: outside of
+        it nodes come within that only once they have moved."""
+        return 37.0 * self.certain / 30.0
 
     # The regularised gap
 
