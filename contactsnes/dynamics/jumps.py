@@ -99,13 +99,13 @@ def left(system, state, controls, load, where, origin=None):
     point = settle(system, lambda: state, controls, load, where, origin)
     if not math.isfinite(point.viscous_work):
         return point
-    contact, jump = system.contact, states.missed(system.contact, origin, point.state)
-    part = NEARER * jump / states.missed(contact, origin, state)
-    if part >= NEARER * SHORT or all(potential(contact, one) is not None
-                                     for one in (origin, point.state)):
+    jump, kick = (states.missed(system.contact, origin, one) for one in (point.state, state))
+    if jump >= SHORT * kick or all(potential(system.contact, one) is not None  # (no kick afar)
+                                   for one in (origin, point.state)):
         return point
     with suppress(Leaving, Unsettled):
-        point = _anew(system, between(contact, origin, state, part), origin, point, NEARER * jump)
+        begin = between(system.contact, origin, state, NEARER * jump / kick)
+        point = _anew(system, begin, origin, point, NEARER * jump)
     collect()  # as of `settle`
     return point
 

@@ -11,6 +11,11 @@ from .laws.law import Law
 
 APART = 1e-4
 """Potential at the end of the range, over that at no gap, that counts as none."""
+SPANS = 0.25, 8.0
+"""Least and largest gap, ranges, up to which a law attracts by half of its peak: the ways by which
+steps, folds and jumps are told apart are fixed parts of a range."""
+USUAL = 2.678
+"""That of a exp(-a)."""
 
 
 def check_kinds(law, name):
@@ -62,6 +67,20 @@ def check_sizes(law, name):
             raise InputError(f"the law {name} declares {what} = {claimed:.6g}, or has it from its "
                              f"base, but its tractions give {found:.6g}: mend it, or take the "
                              f"sampled one, {what} = Law.{what}")
+
+
+def check_scale(law, name):
+    """InputError where a law attracts over so many ranges, or so small a part of one, that folds
+    would be passed; ``name`` for the sentence."""
+    gaps = np.concatenate([np.linspace(0.0, end, 20001) for end in (law.opening_range, law.range)])
+    span = np.max(gaps[law.normal(gaps)[0] >= 0.5 * law.normal_peak], initial=0.0)
+    if not SPANS[0] <= span <= SPANS[1]:
+        part = span / USUAL
+        raise InputError(f"the law {name} attracts by half of its peak up to a gap of {span:.3g} "
+                         f"ranges, where a exp(-a) does to {USUAL:.3g}: folds are looked for on "
+                         f"the way of a range, and allowed is {SPANS[0]:g} to {SPANS[1]:g}; with "
+                         f"s = {part:.2g} take s N(s a) in place of N(a), and divide "
+                         "-scene_normal_maugis by s")
 
 
 def check_stiffnesses(law, name):

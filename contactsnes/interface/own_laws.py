@@ -37,6 +37,7 @@ def check(law, name, in_file=True):
         _check_signs(law, name, in_file)
         _check_jumps(law, name, lines)
         law_claims.check_sizes(law, name)
+        law_claims.check_scale(law, name)
         law_claims.check_stiffnesses(law, name)
         law_claims.check_potential(law, name)
 

@@ -476,6 +476,38 @@ def test_a_law_that_acts_up_to_its_range_acts_at_all_nodes():
     assert law.certain == 4.0 < law.reach and Modified().reach == Law.range
 
 
+def scaled(size):
+    """A law of a exp(-a) in which all lengths are longer."""
+    def tractions(self, a, b):
+        opened, slid = a / size, b / size
+        return (opened * np.exp(-opened) / size,
+                0.6 / size ** 2 * np.exp(-0.5 * slid ** 2 - np.maximum(opened, 0.0)))
+
+    return type("Scaled", (Law,), {
+        "tractions": tractions, "range": 37.0 * size, "deepest": -30.0 * size, "repulsion": size,
+        "opening_range": 5.0 * size, "slip_range": 6.0 * size, "gap_corners": (0.0,),
+        "slip_peak": size})()
+
+
+@pytest.mark.parametrize("size, words", (
+    (20.0, "attracts by half of its peak up to a gap of 53.6 ranges, .* with s = 20 take"),
+    (0.05, "up to a gap of 0.134 ranges, .* with s = 0.05 take s N")))
+def test_laws_whose_lengths_are_far_from_a_range_are_refused(size, words):
+    """Their folds were passed without a word: these are told by parts of a range."""
+    for usual in (0.2, 1.0, 2.5):
+        own_laws.check(scaled(usual), "Scaled")
+    with pytest.raises(InputError, match=words):
+        own_laws.check(scaled(size), "Scaled")
+
+
+def test_a_jump_from_where_a_long_law_hardly_acts():
+    """Such a kick was of no length, by which lengths were divided."""
+    scene = Scene(points=64, period=16.0, normal_maugis=5.8, tangential_maugis=2.9, height=math.inf,
+                  tangential="on")
+    *_, point = Branch(scene, Load("normal_displacement=-3", "normal_force=2"), law=scaled(2.9))
+    assert point.forces[0] == pytest.approx(2.0) and point.in_contact
+
+
 @pytest.mark.parametrize("cls, words", (
     (Removable, "no finite N at the normal gap 2 .*divide.* has the arguments 0, 0"),
     (Farther, "no finite N at the normal gap 20 "), (Pole, "t_0 that jumps .* gap 1.73213 "),
