@@ -45,9 +45,10 @@ def located(path):
 
 
 def may_be_file(word):
-    """Whether what stands where a flag may have a value is more likely a file of options: it is no
-    word, or the name of a file, or like that of one."""
-    return not word.isalnum() or os.path.exists(located(word)) or bool(_alike(word))
+    """Whether what stands where a flag may have a value is more likely a file of options: it has a
+    folder or an ending, which numbers and lists have not, or is the name of a file, or like that of
+    one."""
+    return bool(re.search(r"/|\.[A-Za-z]", word) or os.path.exists(located(word)) or _alike(word))
 
 
 def _alike(path):

@@ -55,6 +55,9 @@ def test_negative_numbers_are_values(argument, is_option):
     ("-archive_resume scene.txt", ["scene.txt"], ["-archive_resume"]),
     ("-archive_resume maybe", [], ["-archive_resume", "maybe"]),
     ("-archive_resume cylindr", ["cylindr"], ["-archive_resume"]),
+    ("-continuation_locate_folds 1e-8", [], ["-continuation_locate_folds", "1e-8"]),
+    ("-archive_errors 0.5 -contact_cascade true,false", [],
+     ["-archive_errors", "0.5", "-contact_cascade", "true,false"]),
     ("-archive_resume false scene.txt", ["scene.txt"], ["-archive_resume", "false"]),
     ("-options_file more.opts", [], ["-options_file", "more.opts"]),
     ("-x 1 two", ["two"], ["-x", "1"])])
