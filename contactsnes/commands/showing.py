@@ -16,7 +16,7 @@ from ..output.asked import (
     ReportOptions,
     TableOptions,
 )
-from ..output.files import WriteError
+from ..output.files import WriteError, is_archive, refuse_shared
 from ..output.reading import NoColumn
 from ..system.devices import reason
 from .speech import complain, told
@@ -24,10 +24,6 @@ from .speech import complain, told
 PLOT = {"pdf": ("plot_format", "png,pdf"), "output": ("plot_output", None),
         "points": ("plot_points", None)}
 """Older and shorter names of options of plot."""
-HDF5 = b"\x89HDF\r\n\x1a\n"
-"""How files of HDF5 begin."""
-FIELDS = (".vtkhdf", ".hdf")
-"""Endings of those that are made of archives."""
 
 
 def usage(command, what, cls):
@@ -51,23 +47,10 @@ def asked_for(arguments, cls, text, others=None):
     paths, asked = read_words(arguments, cls, others)
     if not paths:
         raise InputError(f"no archive is named; {text.splitlines()[0]}")
-    if asked.output and _is_archive(Path(asked.output), paths):
+    if asked.output and is_archive(Path(asked.output), paths):
         raise InputError(f"{asked.option_name('output')} is '{asked.output}', an archive: name "
                          "another")
     return paths, asked
-
-
-def _is_archive(target, paths):
-    """Whether a file to write is there as one of these archives, or as another."""
-    try:
-        if not target.is_file():  # a pipe would wait for a writer
-            return False
-        with target.open("rb") as file:
-            begins = file.read(len(HDF5))
-        return begins == HDF5 and (target.suffix not in FIELDS
-                                   or any(target.samefile(path) for path in paths))
-    except (OSError, ValueError):  # what cannot be read is told where it is to be written
-        return False
 
 
 def writing(path, make):
@@ -244,3 +227,4 @@ def _one_output(paths, asked):
     if len(paths) > 1 and asked.output:
         raise InputError(f"-output is '{asked.output}', but {len(paths)} archives are named: leave "
                          "it out, or show them one by one")
+    refuse_shared(paths, "", "files", "show them one by one, with -output")

@@ -6,6 +6,7 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
+from ..options.arguments import a_path
 from ..options.fields import InputError, nearest
 from ..system.devices import failure, reason
 
@@ -13,6 +14,12 @@ FORMAT = "contactsnes 1"
 WRITTEN = "name one that contactsnes run has written"
 PATIENCE = 1.0
 """Seconds to wait for another program that is just reading or writing the file."""
+
+HDF5 = b"\x89HDF\r\n\x1a\n"
+"""How files of HDF5 begin."""
+
+FIELDS = (".vtkhdf", ".hdf")
+"""Endings of those that are made of archives."""
 
 SAFE = {"libver": "earliest", "alignment_threshold": 3000, "alignment_interval": 4096}
 """How HDF5 writes: the oldest format has no mark of being open that a kill would leave behind, and
@@ -134,6 +141,47 @@ def check_output(path):
     if not path.parent.is_dir():
         raise InputError(f"-output is '{path}', whose folder {wanting(path.parent)}, or name "
                          "another")
+
+
+def is_archive(target, paths):
+    """Whether a file to write is there as one of some archives, or as another."""
+    try:
+        if not target.is_file():  # a pipe would wait for a writer
+            return False
+        with target.open("rb") as file:
+            begins = file.read(len(HDF5))
+        return begins == HDF5 and (target.suffix not in FIELDS
+                                   or any(target.samefile(path) for path in paths))
+    except (OSError, ValueError):  # what cannot be read is told where it is to be written
+        return False
+
+
+def target_beside(path, ending):
+    """The file beside an archive that is made of it where -output names none; InputError where an
+    archive lies there, which may have any name."""
+    target = Path(path).with_suffix(ending)
+    if is_archive(target, [path]):
+        raise InputError(f"what is made of {path} would replace {target}, an archive: name another "
+                         "file by -output")
+    return target
+
+
+def refuse_shared(paths, folder, what, instead):
+    """InputError where what is made of one archive would replace that of another.
+
+    Parameters
+    ----------
+    paths : of archives
+    folder : where all of it is written, or an empty text: beside each archive
+    what : str, what is made, in the plural
+    instead : str, what to do
+    """
+    found = {}
+    for path in (Path(a_path("the archive", path, "the path of one")).absolute() for path in paths):
+        other = found.setdefault(Path(folder or path.parent, path.stem), path)
+        if other != path:
+            raise InputError(f"{path} would have {what} of the names that those of {other} have: "
+                             f"{instead}")
 
 
 def check_ending(path, what, endings):

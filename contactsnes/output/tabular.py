@@ -12,7 +12,7 @@ from ..scene.scene import Scene
 from . import resuming
 from .columns import instead
 from .extras import extra
-from .files import ArchiveError, check_ending, check_output
+from .files import ArchiveError, check_ending, check_output, target_beside
 from .reading import read
 from .tables import replaced
 
@@ -203,10 +203,10 @@ def write_table(paths, table, asked):
     """
     if asked.format == "csv" and not asked.output:
         return None
-    path = Path(asked.output) if asked.output else Path(paths[0]).with_suffix(".parquet")
     if not asked.output and len(paths) > 1:
         raise InputError("-format is 'parquet' for several archives without a file: name it by "
                          "-output")
+    path = Path(asked.output) if asked.output else target_beside(paths[0], ".parquet")
     other, = (kind for kind in ENDINGS if kind != asked.format)
     if path.suffix.lower() in ENDINGS[other]:
         raise InputError(f"-output is '{path}', but -format is '{asked.format}': name another, or "

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..system.devices import Lenient
 from ..system.hdf5 import h5py
-from .files import ArchiveError, check_ending, check_output
+from .files import ArchiveError, check_ending, check_output, target_beside
 from .reading import read
 
 VERSION = (2, 2)
@@ -36,7 +36,7 @@ def write_vtk(path, asked):
     """
     record = read(path)
     points = _points(record, asked.chosen)
-    target = Path(asked.output) if asked.output else Path(path).with_suffix(ENDING)
+    target = Path(asked.output) if asked.output else target_beside(path, ENDING)
     check_ending(target, "a file for ParaView", (ENDING, ".hdf"))
     check_output(target)
     # ParaView knows the format by the ending.

@@ -11,7 +11,7 @@ import pytest
 from contactsnes.commands import showing
 from contactsnes.options.fields import InputError
 from contactsnes.options.words import read_words
-from contactsnes.output import extras, tabular
+from contactsnes.output import extras, files, tabular
 from contactsnes.output.archive import Archive
 from contactsnes.output.asked import ExportOptions, TableOptions
 from contactsnes.output.columns import Column
@@ -213,9 +213,30 @@ def test_an_archive_is_not_replaced_by_what_is_made_of_it(tmp_path, command, mon
     assert before == [(tmp_path / name).read_bytes() for name in ("a.h5", "b.h5", "c.hdf")]
 
 
+@pytest.mark.parametrize("command, name", [
+    ("report", "run.html"), ("export", "run.vtkhdf"), ("movie -format gif", "run.gif"),
+    ("table -format parquet", "run.parquet")])
+def test_an_archive_of_any_name_is_not_replaced_by_what_would_lie_beside_it(tmp_path, command,
+                                                                           name):
+    path = archive(tmp_path / name, fields="all")
+    before = path.read_bytes()
+    word, *others = command.split()
+    with pytest.raises(InputError, match=f"would replace .*{name}, an archive: .* by -output"):
+        getattr(showing, word)([str(path), *others])
+    assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize("command", [showing.report, showing.movie, showing.export])
+def test_files_of_archives_that_differ_by_an_ending_do_not_replace_each_other(tmp_path, command):
+    paths = [str(archive(tmp_path / name, fields="all")) for name in ("maugis-0.1", "maugis-0.5")]
+    with pytest.raises(InputError, match="0.5 would have files of the names that those of .*0.1"):
+        command(paths)
+    assert len(list(tmp_path.iterdir())) == 2
+
+
 def test_a_pipe_is_no_archive_and_is_not_read(tmp_path):
     os.mkfifo(tmp_path / "pipe")
-    assert not showing._is_archive(tmp_path / "pipe", ["a.h5"])
+    assert not files.is_archive(tmp_path / "pipe", ["a.h5"])
 
 
 def test_parquet_holds_values_and_units(tmp_path):

@@ -12,7 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import TwoSlopeNorm
 from matplotlib.figure import Figure
 
-from ..files import ArchiveError, check_output
+from ..files import ArchiveError, check_output, target_beside
 from ..prefixes import read
 from ..tables import replaced
 from .data import (
@@ -87,7 +87,7 @@ def write_movie(path, asked):
         raise ArchiveError(f"{path} has no fields to show: run with -archive_fields all"
                            if record.points else f"{path} has no points to show yet.")
     kind = ending(asked)
-    target = Path(asked.output or path)
+    target = Path(asked.output) if asked.output else target_beside(path, f".{kind}")
     if target.suffix.lower() != f".{kind}":
         target = target.with_suffix(f".{kind}")  # by which Pillow and ffmpeg know what is wanted
     check_output(target)

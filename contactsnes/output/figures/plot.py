@@ -28,10 +28,10 @@ from typing import NamedTuple
 
 import matplotlib
 
-from ...options.arguments import a_path, several
+from ...options.arguments import several
 from ...options.fields import InputError
 from ..asked import FORMATS, PlotOptions, listed
-from ..files import ArchiveError, wanting
+from ..files import ArchiveError, refuse_shared, wanting
 from ..prefixes import alike, read
 from ..reading import NoColumn, Record
 from .curves import draw_columns, together
@@ -114,7 +114,8 @@ def draw(paths, asked):
     measured, columns, records = read_measured(asked.with_), listed(asked.columns), []
     _check_together(asked.together)
     if not asked.together:
-        _refuse_shared(paths, asked.output)
+        refuse_shared(paths, asked.output, "figures", "draw them one by one into folders of their "
+                      "own, or by -plot_together in common ones")
     for some in [paths] if asked.together else [[path] for path in paths]:
         records += (group := [_read(path) for path in some])
         check_names(measured, group)
@@ -139,17 +140,6 @@ def _check_together(name):
     if Path(name).suffix[1:].lower() in FORMATS:
         raise InputError(f"-plot_together is '{name}': give the beginning of the names of the "
                          "figures, whose ending -plot_format says")
-
-
-def _refuse_shared(paths, output):
-    """InputError where figures of one archive would replace those of another."""
-    found = {}
-    for path in (Path(a_path("the archive", path, "the path of one")).absolute() for path in paths):
-        other = found.setdefault(Path(output or path.parent, path.stem), path)
-        if other != path:
-            raise InputError(f"{path} would have figures of the names that those of {other} have: "
-                             "draw them one by one into folders of their own, or by "
-                             "-plot_together in common ones")
 
 
 def _read(path):

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ..extras import extra
-from ..files import ArchiveError, check_ending, check_output
+from ..files import ArchiveError, check_ending, check_output, target_beside
 from ..prefixes import read
 from ..tables import replaced
 from . import certificates, words
@@ -47,7 +47,7 @@ def write_report(path, asked):
     record = read(path)
     if not record.points:
         raise ArchiveError(f"{path} has no points to report on yet.")
-    target = Path(asked.output) if asked.output else Path(path).with_suffix(".html")
+    target = Path(asked.output) if asked.output else target_beside(path, ".html")
     check_ending(target, "a report", (".html", ".htm"))
     check_output(target)
     text = page(record, asked)
