@@ -93,11 +93,13 @@ def allowed(rule):
 
 
 def number(text, convert=float):
-    """The number that a text stands for; ValueError, too, for other digits than 0 to 9 and for
-    underscores, which Python reads."""
-    if not text.isascii() or "_" in text:
+    """The number that a text stands for; ValueError, too, for other digits than 0 to 9, for
+    underscores, which Python reads, and for a number beyond all floats, which it takes for inf."""
+    found = convert(text)
+    beyond = convert is float and math.isinf(found) and any(map(str.isdigit, text))
+    if not text.isascii() or "_" in text or beyond:
         raise ValueError(f"{text!r} is no number")
-    return convert(text)
+    return found
 
 
 def _single(value, rule):

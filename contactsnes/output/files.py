@@ -124,8 +124,8 @@ def resolved(path):
             found.stat()  # Python 3.13 resolves a loop of links to itself
     # too long, a loop of links, letters that no file system knows
     except (OSError, RuntimeError, ValueError) as error:
-        raise ArchiveError(f"-archive_file is '{path}', which cannot be the "
-                           f"name of a file: {reason(error)}.") from None
+        raise ArchiveError(f"the archive is '{path}', which cannot be the name of a file: "
+                           f"{reason(error)}.") from None
     return found
 
 

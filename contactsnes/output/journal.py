@@ -32,8 +32,9 @@ LARGE = 2 ** 16
 
 
 def beside(archive):
-    """The path of the journal of an archive."""
-    return Path(archive).with_name(Path(archive).name + SUFFIX)
+    """The path of the journal of an archive; of a folder without a name, too, which is refused
+    elsewhere."""
+    return Path(archive).parent / (Path(archive).name + SUFFIX)
 
 
 def next_key(key):

@@ -60,9 +60,8 @@ def check(scene, load, steps=Steps()):
                          f"'{text}': allowed are auto and on, or a load "
                          "without tangential quantities")
     if load.path and steps.legs not in (None, len(sheared) - 1):
-        raise InputError(f"the steps of -continuation_ are for {steps.legs} legs, "
-                         f"-load_path has {len(sheared) - 1}: give one number, "
-                         "or one per leg")
+        raise InputError(f"{steps.lists}, for {steps.legs} legs, "
+                         f"-load_path has {len(sheared) - 1}: give one number, or one per leg")
 
 
 def _sheared(scene, load):

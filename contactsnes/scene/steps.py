@@ -92,12 +92,8 @@ class Steps(Options):
                              "bifurcations are not looked for: take "
                              "-continuation_stability sign or eigenvalue, or "
                              "leave it out")
-        lists = [name for name in self._NAMES if isinstance(getattr(self, name), tuple)]
-        if len({len(getattr(self, name)) for name in lists}) > 1:
-            raise InputError(
-                " and ".join(f"-continuation_{name} is '{as_text(getattr(self, name))}'"
-                             for name in lists)
-                + ": lists of steps have one length, one number per leg")
+        if len({len(value) for value in vars(self).values() if isinstance(value, tuple)}) > 1:
+            raise InputError(f"{self.lists}: lists of steps have one length, one number per leg")
         for leg in range(self.legs or 1):
             self._check_order(leg)
 
@@ -110,6 +106,12 @@ class Steps(Options):
                 raise InputError(f"-continuation_{low} is '{as_text(small)}': allowed "
                                  f"is at most -continuation_{high}, which is "
                                  f"'{as_text(large)}'")
+
+    @property
+    def lists(self):
+        """The lists of steps with their options, in words."""
+        return " and ".join(f"{self.option_name(name)} is '{as_text(getattr(self, name))}'"
+                            for name in self._NAMES if isinstance(getattr(self, name), tuple))
 
     @property
     def legs(self):

@@ -32,7 +32,7 @@ class CoreOptions(Options):
     width: float = option(0.3, "blur of the core's edge over 1/lambda_n", minimum=0)
     pad: float = option(1.25,
                         "extent of the circle on which the core is inverted, over that of the core",
-                        minimum=1)
+                        minimum=1, maximum=1000)
 
 
 def core_of(form, component, options):

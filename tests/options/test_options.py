@@ -258,6 +258,7 @@ def test_flags(petsc, text, value):
                                              (Scene, "points", "autos"), (Scene, "points", "1e3"),
                                              (Scene, "points", "64,,64"),
                                              (Scene, "dimension", "2.0"), (Scene, "height", "high"),
+                                             (Scene, "height", "1e400"),
                                              (Scene, "law", ""), (Scene, "period", "infinite"),
                                              (Output, "resume", "maybe"), (Output, "file", ""),
                                              (Load, "stop", "never"), (Load, "path", ""),

@@ -565,8 +565,9 @@ def test_a_folder_with_the_name_of_an_archive_is_no_archive(tmp_path):
         read(tmp_path / "run.h5")
     with pytest.raises(ArchiveError, match="no such file; name one"):
         read(tmp_path / "runs.h5")
-    with pytest.raises(ArchiveError, match="is a folder or a device; name another -archive_file"):
-        Archive.create(tmp_path / "run.h5", **content())
+    for folder in (tmp_path / "run.h5", "/"):
+        with pytest.raises(ArchiveError, match="folder or a device; name another -archive_file"):
+            Archive.create(folder, **content())
 
 
 def test_an_archive_of_another_version_is_told_as_one(tmp_path):

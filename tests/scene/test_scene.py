@@ -361,7 +361,8 @@ def test_steps_per_leg():
     assert steps.legs == 2 and Steps(largest_step=4).legs is None
     assert [steps.sizes(leg, 100)[:2] for leg in (1, 2)] == [(1, 4), (2, 4)]
     check(Scene(), Load(path="normal_force=1; normal_force=2"), steps)
-    with pytest.raises(InputError, match="2 legs, -load_path has 1"):
+    with pytest.raises(InputError, match="-continuation_initial_step is '1,2', for 2 legs, "
+                       "-load_path has 1"):
         check(Scene(), Load(path="normal_force=1"), steps)
 
 

@@ -10,6 +10,7 @@ from contactsnes.contact.bordered import ArcLength
 from contactsnes.contact.force_form import ForceForm
 from contactsnes.contact.forms import DisplacementForm
 from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact
+from contactsnes.options.fields import InputError
 from contactsnes.scene.settings import Scene
 from contactsnes.solvers.core_zone import CoreOptions, CoreZone, core_of, inverse
 from contactsnes.solvers.preconditioners import ArcElimination, ZonedStiffness
@@ -346,3 +347,9 @@ def test_means_without_a_response_stay(size):
     with np.errstate(all="raise"):
         np.testing.assert_array_equal(inverse(np.full((size, size), 1e-320), 0.0),
                                       np.zeros((size, size)))
+
+
+def test_a_circle_beyond_all_cells_is_refused():
+    """To round it up by powers of two would have no end."""
+    with pytest.raises(InputError, match="-pc_core_pad is '1e\\+26'.*at most 1000"):
+        CoreOptions(pad=1e26)
