@@ -158,9 +158,10 @@ class Run:
                    lambda: self._complain(reason))
 
     def _settled(self, status, reason):
-        """Exit status and reason after what waits for the archive is in its file."""
+        """Exit status and reason after what waits for the archive is in its file; one that was to
+        be replaced stays where input was bad, or the run was ended before its first point."""
         try:
-            if self.archive:
+            if self.archive and (self.archive.points or status <= 1):
                 self.archive.settle()
         except ArchiveError as error:
             return status or 1, reason or str(error)

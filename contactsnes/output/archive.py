@@ -11,7 +11,7 @@ import time
 import numpy as np
 
 from . import checksums, resuming, stored
-from .columns import asked_differently, put_attributes
+from .columns import put_attributes
 from .files import (
     FORMAT,
     ArchiveError,
@@ -84,6 +84,7 @@ class Archive:
         self.complete, self.lacking = False, ""
         self.runs = []
         self._first, self._expected = 0, state  # point of this run
+        self._begun = False  # whether the file is this archive's
         self._warnings = "\n".join(warnings)
         self._options = options
         self._versions = "\n".join(f"{name} {value}" for name, value in versions.items())
@@ -102,7 +103,8 @@ class Archive:
 
     @classmethod
     def create(cls, path, *, overwrite=False, **content):
-        """New archive without points.
+        """New archive without points; a file that it replaces stays as it is until the first point,
+        or `settle`.
 
         Parameters
         ----------
@@ -118,9 +120,16 @@ class Archive:
         """
         archive = cls(path, **content)
         check_new(archive.path, overwrite)
-        archive._store.commit(lambda file: None, BATCH, archive._expected)
-        archive._journal.remove()
+        if not archive.path.exists():
+            archive._begin()
         return archive
+
+    def _begin(self):
+        """Make the file, once, in place of what was there."""
+        if not self._begun:
+            self._store.commit(lambda file: None, BATCH, self._expected)
+            self._journal.remove()
+            self._begun = True
 
     @classmethod
     def resume(cls, path, **content):
@@ -141,7 +150,10 @@ class Archive:
         if read(archive.path).points:
             safely(archive.path, archive._take_over)
             archive.settle()
-        return archive if archive.points else cls.create(path, overwrite=True, **content)
+        if not archive.points:
+            archive = cls.create(path, overwrite=True, **content)
+            archive.settle()
+        return archive
 
     def append(self, row, state, displacement=None, traction=None, mode=None, later=None, **active):
         """Add a point; when this returns, it survives a kill of the program.
@@ -160,6 +172,7 @@ class Archive:
         """
         if self.complete:
             raise ArchiveError(f"{self.path} is complete; no point can be added.")
+        self._begin()
         fields = {} if later else self._layout.checked(
             {"displacement": displacement, "traction": traction, "mode": mode, **active})
         point = stored.Kept(self._layout.numbers(row), state, fields)
@@ -184,6 +197,7 @@ class Archive:
 
     def settle(self, then=lambda file: None):
         """Write the points that wait in the journal to the file, and what ``then`` does to it."""
+        self._begin()
         if self._waiting:
             self._waiting[-1] = self._with_fields(self._waiting[-1], self._later)
             self._store.put(self._waiting, then)
@@ -209,8 +223,10 @@ class Archive:
         self.complete = True
 
     def remove(self):
-        """Remove the file, which would only be in the way of the next try."""
-        self.path.unlink(missing_ok=True)
+        """Remove the file, which would only be in the way of the next try, if it is this
+        archive's."""
+        if self._begun:
+            self.path.unlink(missing_ok=True)
 
     def states(self):
         """States of the last points (up to four), oldest first, as they were given to `append`."""
@@ -223,6 +239,7 @@ class Archive:
     def _take_over(self, file):
         """Go on from the points of a file; raise if they belong to another run than this archive
         describes."""
+        self._begun = True
         self._store.held, self.runs = int(file.attrs["points"]), resuming.runs(file)
         self._waiting = stored.waiting(file)
         self._journal.key = next_key(file.attrs.get("journal", self._journal.key))
@@ -239,7 +256,8 @@ class Archive:
             self.lacking = resuming.lacking(file, self._layout.fields, self._layout.columns)
             return
         check_unprotected(self.path)
-        self._check_layout(file)
+        self._refuse(self._layout.differences(file))
+        self._layout.go_on(file)
         told = file.attrs.get("warnings", "").splitlines()
         self._warnings = "\n".join([*told, *(line for line in self._warnings.splitlines()
                                              if line not in told)])
@@ -252,25 +270,6 @@ class Archive:
         states = [{}, *map(stored.unpack, stored.states(file, self._store.held).values())]
         legs = file["branch"].get("leg")
         return states[-1], 0 if legs is None else legs[self._store.held - 1]
-
-    def _check_layout(self, file):
-        """Raise if a file keeps other fields or columns than this run; keep modes if it does."""
-        kept = file.attrs["fields"]
-        if kept != self._layout.fields:
-            self._refuse([("archive_fields", kept, self._layout.fields)])
-        if kept != "none" and stored.has_active(file) != (self._layout.active is not None):
-            self._refuse([("archive_fields_on", *(("active", "cell") if stored.has_active(file)
-                                                  else ("cell", "active")))])
-        precision = file.attrs.get("precision", "double")
-        if kept != "none" and precision != self._layout.precision:
-            self._refuse([("archive_precision", precision, self._layout.precision)])
-        columns = sorted(set(file["branch"]) ^ set(self._layout.columns))
-        self._refuse(asked_differently(file["branch"], self._layout.columns))
-        if columns or tuple(file.attrs["shape"]) != self._layout.shape:
-            raise ArchiveError(f"{self.path} cannot be resumed: its columns or its grid differ "
-                               f"({', '.join(columns) or self._layout.shape}); take another file.")
-        if "mode" in file.get("fields", ()) and "mode" not in self._layout.arrays:
-            self._layout.arrays = (*self._layout.arrays, "mode")
 
     def _refuse(self, differences):
         """Raise for the first of some differences, (name, there, here)."""

@@ -10,9 +10,9 @@ from ..grid.parted import chunk as chunk_of
 from . import active, checksums
 from .active import ActiveFields
 from .cell_fields import CHUNKS, KINDS, PACKED, as_stored, empty, most_together
-from .columns import Column, make_columns, put_rows
+from .columns import Column, asked_differently, make_columns, put_rows
 from .files import ArchiveError
-from .stored import SLOTS, field_points, put_state
+from .stored import SLOTS, field_points, has_active, put_state
 
 UNITS = {
     "coordinates": "beta",
@@ -68,6 +68,26 @@ class Layout:
             components, self.kind, compliance, fields, CHUNKS, PACKED)
         self._together = (most_together(self.kind, self.shape) if fields == "all" and self.arrays
                           else None)
+
+    def differences(self, file):
+        """What an open archive keeps otherwise by its options, [(option, there, here), ...]."""
+        kept, on_active = file.attrs["fields"], has_active(file)
+        found = [("archive_fields", kept, self.fields)]
+        if kept != "none":
+            nodes = {True: "active", False: "cell"}
+            found += [("archive_fields_on", nodes[on_active], nodes[self.active is not None]),
+                      ("archive_precision", file.attrs.get("precision", "double"), self.precision)]
+        return [*(one for one in found if one[1] != one[2]),
+                *asked_differently(file["branch"], self.columns)]
+
+    def go_on(self, file):
+        """Raise if an open archive has other columns or another grid; keep modes if it does."""
+        columns = sorted(set(file["branch"]) ^ set(self.columns))
+        if columns or tuple(file.attrs["shape"]) != self.shape:
+            raise ArchiveError(f"{file.filename} cannot be resumed: its columns or its grid differ "
+                               f"({', '.join(columns) or self.shape}); take another file.")
+        if "mode" in file.get("fields", ()) and "mode" not in self.arrays:
+            self.arrays = (*self.arrays, "mode")
 
     def at_once(self, points):
         """Number of points whose fields are allocated at once, in a file with room for so many."""

@@ -186,6 +186,15 @@ def test_archive_that_is_in_the_way(pressed):
             "poisson", "0.4", "0.5")
 
 
+def test_bad_input_leaves_an_archive_that_was_to_be_replaced(tmp_path):
+    """Found by PETSc as it begins to solve, when the archive is open."""
+    call("run", *STILL, "-archive_file", "run.h5", folder=tmp_path)
+    before = (tmp_path / "run.h5").read_bytes()
+    refused(call("run", *STILL, "-archive_file", "run.h5", "-archive_overwrite", "-pc_type", "lu",
+                 folder=tmp_path), "PETSc", "LU")
+    assert (tmp_path / "run.h5").read_bytes() == before
+
+
 # Runs
 
 

@@ -515,6 +515,17 @@ def test_an_existing_archive_is_replaced_only_when_asked(tmp_path):
     assert read(tmp_path / "run.h5").points == 1
 
 
+def test_what_is_to_be_replaced_stays_until_there_is_something_in_its_place(tmp_path):
+    """Not only removed: an archive without points would be made of it before."""
+    path = tmp_path / "run.h5"
+    append(Archive.create(path, **content()), 2)
+    other = Archive.create(path, overwrite=True, **content())
+    other.remove()
+    assert read(path).points == 2
+    other.settle()
+    assert read(path).points == 0
+
+
 def test_a_protected_archive_is_neither_replaced_nor_gone_on_with(tmp_path, monkeypatch):
     """In a folder that can be written, another file took its place."""
     path = tmp_path / "run.h5"
