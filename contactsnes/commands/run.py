@@ -36,9 +36,9 @@ from .session import (
 )
 from .speech import complain
 
-BAD_OPTIONS = {56, 57, 62, 63, 65, 75, 83, 86, 92, 95}
-"""PETSc's error codes of what a user asked for: no support, wrong argument, missing file, arguments
-that do not fit, unknown type, no factorisation."""
+BAD_OPTIONS = {56, 57, 62, 63, 65, 73, 75, 77, 83, 86, 92, 95}
+"""PETSc's error codes of what a user asked for: no support, wrong argument, missing file, a solver
+that lacks parts or has too few, arguments that do not fit, unknown type, no factorisation."""
 
 NAMES = 1024
 """Bytes of a state besides its numbers."""

@@ -18,7 +18,7 @@ from ..contact.balance import CONVERGENCE
 from ..interface import shapes
 from ..options.database import check_names, check_values, database, petsc_arguments, read
 from ..options.fields import InputError, meant
-from ..options.files import located, refuse_circles
+from ..options.files import entries, located, refuse_circles
 from ..options.help import help_text
 from ..options.solver_values import VIEWERS, refuse_unwritable
 from ..options.words import asks_for_help
@@ -91,6 +91,7 @@ def start_petsc(arguments, refused=lambda settings: None):
         raise InputError(f"the working folder cannot be used ({error.strerror}): "
                          "change into one that exists") from None
     words = petsc_arguments(arguments)[1:]
+    world.first(lambda: refuse_unwritable(entries(words)))  # some PETSc opens as it starts
     refuse_circles(os.environ.get("PETSC_OPTIONS", ""))
     begin_petsc(words)
     refuse_differences()

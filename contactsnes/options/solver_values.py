@@ -57,6 +57,10 @@ the law, of which one is no equilibrium."""
 VIEWERS = re.compile("(?:^|_)(?:view|monitor|reason|rate)(?:_|$)")
 """Names of options whose values say where something is written: kind of file, name, format."""
 WRITTEN = re.compile("(?:ascii|binary|hdf5|vtk)?:([^:,]+)")
+FILES = {"history": "(.+)", "citations": "(.+)", "log_trace": "(.+)", "info": "([^:]+)"}
+"""PETSc's options that name a file, or none, as it is -> what of their values does."""
+LOG = re.compile("(?:ascii)?(?::|$)")
+"""How values of -log_view begin: it is written, and others are refused, when all is done."""
 MATRIX_FREE = ("none", "python", "shell", "ksp", "composite")
 """Values of -pc_type that ask for no entries of a matrix."""
 NO_ENTRIES = "it asks for entries of the tangent, of which products alone are known here"
@@ -99,7 +103,11 @@ def refuse_unwritable(entries):
     entries : mapping, as of `refuse_values`
     """
     for name, text in entries.items():
-        found = WRITTEN.match(text) if VIEWERS.search(name) else None
+        if name == "log_view" and not LOG.match(text):
+            raise InputError(f"-log_view is '{text}': allowed is :FILE or :FILE:FORMAT; leave it "
+                             "out, or try :log.txt")
+        pattern = FILES.get(name, WRITTEN if VIEWERS.search(name) else "(?!)")
+        found = re.match(pattern, text)
         if found and (Path(found[1]).is_dir() or not os.access(Path(found[1]).parent, os.W_OK)):
             raise InputError(f"-{name} is '{text}': the file '{found[1]}' cannot be written, its "
                              "folder does not exist or is closed; name another")
