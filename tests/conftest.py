@@ -36,6 +36,12 @@ def options():
 
 
 @pytest.fixture
+def read_here(monkeypatch):
+    """Archives, which are whole, are read without another process that tries it first."""
+    monkeypatch.setattr("contactsnes.output.files.failure", lambda read: "")
+
+
+@pytest.fixture
 def kept_options():
     """PETSc's options as they were, after a test."""
     from contactsnes.options.database import database, install

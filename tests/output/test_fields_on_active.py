@@ -22,6 +22,7 @@ PLANE = {"dimension": 2, "geometry": "sphere", "normal_maugis": 2.0, "points": 3
 LINE = {"normal_maugis": 3.0, "points": 256, "period": 40.0}
 SI = {"units": "si", "work_of_adhesion_normal": 0.03, "work_of_adhesion_tangential": 0.03,
       "contact_modulus": 2e6, "radius": 0.01, "range_normal": 1e-6, "range_tangential": 1e-6}
+pytestmark = pytest.mark.usefixtures("read_here")
 
 
 def written(folder, scene, path, *kinds, load_start=None, steps=Steps()):

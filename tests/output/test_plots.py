@@ -40,6 +40,7 @@ from contactsnes.output.prefixes import read
 
 EVENTS = ("none", "fold", "jump", "gross_sliding", "pull_off", "bifurcation")
 LENGTH, RANGE = 100.0, 0.1  # period of the cell, range of the law
+pytestmark = pytest.mark.usefixtures("read_here")
 
 
 def columns(dimension=1):
@@ -125,7 +126,7 @@ def line_fields(x, row):
     return np.array([gap - x**2 / 2, 0 * x]), np.array([attraction, slip])
 
 
-def line_archive(path, rows, fields="all", nodes=2048):
+def line_archive(path, rows, fields="all", nodes=512):
     x = (np.arange(nodes) - nodes // 2) * LENGTH / nodes
     rows = [(row, line_fields(x, {"tangential_force": 0, **row})) for row in rows]
     return archive_of(path, rows, fields, coordinates=(x,), components=2, initial_gap=x**2 / 2)
@@ -161,13 +162,27 @@ def names_of(figures):
     return sorted(file.name for file in figures.files)
 
 
-def check_images(figures):
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Files of figures are empty: to draw them is nearly all that a figure costs, and what they look
+    like has tests of its own."""
+    monkeypatch.setattr(plotting, "saved", lambda figure, path: path.touch())
+
+
+@pytest.fixture
+def coarse(monkeypatch):
+    """Pictures of few pixels: how many dots an inch has."""
+    monkeypatch.setitem(style.STYLE, "savefig.dpi", 60)
+    return 60
+
+
+def check_images(figures, dots=300):
     """Each figure is as wide as a column, maps of several points as two, and not empty."""
     for file in figures.files:
         if file.suffix == ".png":
             image = imread(file)
             columns_wide = 2 if file.stem.endswith("maps") else 1
-            assert abs(image.shape[1] - columns_wide * 8.5 / 2.54 * 300) < 2
+            assert abs(image.shape[1] - columns_wide * 8.5 / 2.54 * dots) < 2
             assert np.std(image) > 0.02
 
 
@@ -188,14 +203,14 @@ def test_numbers_at_ticks_are_text_and_their_power_of_ten_is_not(tmp_path):
         assert "10^{7}" in axes.yaxis.get_offset_text().get_text()
 
 
-def test_what_needs_fields_says_that_none_are_stored(tmp_path):
+def test_what_needs_fields_says_that_none_are_stored(tmp_path, undrawn):
     archive_of(tmp_path / "run.h5", [(jkr(half_width), ()) for half_width in (2.0, 3.0)])
     skipped = plot(tmp_path / "run.h5").skipped
     assert all("no fields are stored" in skipped[kind]
                for kind in ("maps", "outlines", "profiles", "spots"))
 
 
-def test_a_sheared_line_contact_has_all_figures_but_maps(tmp_path):
+def test_a_sheared_line_contact_has_all_figures_but_maps(tmp_path, coarse):
     rows = [jkr(half_width) for half_width in np.linspace(1.5, 6.3, 20)] + shear()
     line_archive(tmp_path / "run.h5", rows)
     figures = plot(tmp_path / "run.h5")
@@ -205,10 +220,10 @@ def test_a_sheared_line_contact_has_all_figures_but_maps(tmp_path):
                                "outlines": "the interface has one dimension",
                                "spots": "the interface has one dimension",
                                "shape": "the archive has no columns of the contact's shape"}
-    check_images(figures)
+    check_images(figures, coarse)
 
 
-def test_normal_loading_has_no_tangential_figures(tmp_path):
+def test_normal_loading_has_no_tangential_figures(tmp_path, coarse):
     archive_of(tmp_path / "run.h5", [(row, ()) for row in loading()])
     (tmp_path / "figures").mkdir()
     figures = plot(tmp_path / "run.h5", output=tmp_path / "figures", pdf=True)
@@ -219,7 +234,7 @@ def test_normal_loading_has_no_tangential_figures(tmp_path):
     assert "-archive_fields" in figures.skipped["profiles"]
 
 
-def test_a_two_dimensional_interface_has_maps(tmp_path):
+def test_a_two_dimensional_interface_has_maps(tmp_path, coarse):
     plane_archive(tmp_path / "run.h5", shear(1.5, 10, "_x"))
     figures = plot(tmp_path / "run.h5", points=[0, -1])
     assert names_of(figures) == [f"run-{kind}.png" for kind in ("area", "maps", "outlines",
@@ -227,10 +242,10 @@ def test_a_two_dimensional_interface_has_maps(tmp_path):
     assert figures.skipped == {"approach": "the normal load does not move",
                                "spots": "no stored point has more than one spot",
                                "shape": "the archive has no columns of the contact's shape"}
-    check_images(figures)
+    check_images(figures, coarse)
 
 
-def test_spots_are_numbered_from_the_largest_on(tmp_path):
+def test_spots_are_numbered_from_the_largest_on(tmp_path, undrawn):
     """One around a corner of the cell, one of four nodes, one of one node; fewer at another
     point."""
     axes = (np.arange(8) - 4.0,) * 2
@@ -391,7 +406,7 @@ def test_bad_input(tmp_path):
 
 
 def test_figures_of_archives_of_one_name_do_not_replace_each_other(
-        tmp_path, capsys, kept_options):
+        tmp_path, capsys, kept_options, undrawn):
     """As those of a study with a folder a run."""
     for folder in ("one", "two", "figures"):
         (tmp_path / folder).mkdir()
@@ -469,14 +484,17 @@ def measured_file(path, text):
     return str(path)
 
 
-def test_several_archives_stand_in_one_figure(tmp_path):
+def test_several_archives_stand_in_one_figure(tmp_path, undrawn):
     for name in ("one", "two"):
         archive_of(tmp_path / f"{name}.h5", [(row, ()) for row in shear()])
     figures = plot([tmp_path / "one.h5", tmp_path / "two.h5"], together="both", format="svg,pdf")
     assert names_of(figures) == sorted(f"both-{kind}{end}" for kind in ("area", "shear")
                                        for end in (".svg", ".pdf"))
     records = [read(tmp_path / f"{name}.h5") for name in ("one", "two")]
-    axes = curves.draw_columns(records, ["tangential_force", "contact_area"]).axes[0]
+    figure = curves.draw_columns(records, ["tangential_force", "contact_area"])
+    style.saved(figure, tmp_path / "drawn.svg")
+    assert (tmp_path / "drawn.svg").read_text(encoding="utf-8").startswith("<?xml")
+    axes = figure.axes[0]
     drawn = [line for line in axes.lines if len(line.get_xdata()) > 10]
     assert len({line.get_color() for line in drawn}) == 2
     texts = [text.get_text() for text in axes.get_legend().get_texts()]
@@ -548,7 +566,7 @@ def test_measured_points_that_do_not_fit_are_named(tmp_path, text, word):
 
 
 def test_measured_points_that_no_figure_shows_are_an_error_of_the_command(
-        tmp_path, capsys, kept_options):
+        tmp_path, capsys, kept_options, undrawn):
     archive_of(tmp_path / "run.h5", [(row, ()) for row in shear()])
     path = measured_file(tmp_path / "points.csv", "leg,approach\n1,2\n")
     assert cli.main(["plot", str(tmp_path / "run.h5"), "-plot_with", path]) == 2
@@ -589,7 +607,7 @@ def test_columns_that_are_not_known_everywhere_are_drawn_where_they_are(tmp_path
             curves.draw_columns([record], pair)
 
 
-def test_archives_stand_together_whose_costs_are_counted_in_other_units(tmp_path, monkeypatch):
+def test_archives_stand_together_whose_costs_are_counted_in_other_units(tmp_path, monkeypatch, undrawn):
     known, paths = columns(), [tmp_path / "cell.h5", tmp_path / "alone.h5"]
     for path in paths:
         monkeypatch.setitem(globals(), "columns", lambda dimension, path=path: known | {
@@ -600,7 +618,7 @@ def test_archives_stand_together_whose_costs_are_counted_in_other_units(tmp_path
         plot(paths, columns="transforms,contact_area")
 
 
-def test_figures_together_name_the_archive_without_shear(tmp_path):
+def test_figures_together_name_the_archive_without_shear(tmp_path, undrawn):
     archive_of(tmp_path / "sheared.h5", [(row, ()) for row in shear()])
     archive_of(tmp_path / "pressed.h5", [(row, ()) for row in loading()])
     skipped = plot([tmp_path / "sheared.h5", tmp_path / "pressed.h5"]).skipped
@@ -648,14 +666,14 @@ def test_no_power_of_ten_is_under_a_legend(tmp_path):
             assert 0 <= legend.get_window_extent().y0 - below < 12
 
 
-def test_size_style_and_columns(tmp_path):
+def test_size_style_and_columns(tmp_path, coarse):
     archive_of(tmp_path / "run.h5", [(row, ()) for row in shear()])
     figures = plot(tmp_path / "run.h5", size=(12.0, 6.0), style="ggplot",
                    columns="tangential_force,contact_area,approach")
     images = {file.stem: imread(file) for file in figures.files}
     assert set(images) == {"run-shear", "run-area", "run-columns"}
     for image in images.values():
-        assert np.abs(np.array(image.shape[:2]) - np.array([6, 12]) / 2.54 * 300).max() < 2
+        assert np.abs(np.array(image.shape[:2]) - np.array([6, 12]) / 2.54 * coarse).max() < 2
     for options, word in ((dict(style="ggplt"), "did you mean ggplot"),
                           (dict(columns="contact_area"), "two columns at least"),
                           (dict(columns="tangential_force,event"), "no column event of numbers"),
@@ -782,16 +800,15 @@ def test_what_sticks_is_drawn_under_shear_only(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("interface", SHAPE)
-def test_the_shape_of_a_sheared_contact_is_drawn(interface, tmp_path, monkeypatch):
+def test_the_shape_of_a_sheared_contact_is_drawn(interface, tmp_path, monkeypatch, coarse):
     names, axis = SHAPE[interface], "_x" if interface == "plane" else ""
     dimension = 2 if axis else 1
     known = columns(dimension)
     unit = known["contact_area"].unit
     wider = {**known, **{name: Column(unit if name.endswith("area") else "beta") for name in names}}
     monkeypatch.setattr(f"{__name__}.columns", lambda dimension=1: wider)
-    save = plotting._save  # others have their own tests
-    monkeypatch.setattr(plotting, "_save", lambda figure, path, low: save(figure, path, low)
-                        if path.stem == "run-shape" else None)
+    for kind in ("shear", "area", "profiles", "maps"):  # which have their own tests
+        monkeypatch.setattr(plotting, f"draw_{kind}", lambda *_: Figure((1.0, 1.0)))
     rows = [{**row, **{name: number for number, name in enumerate(names, start=1)}}
             for row in shear(count=10, axis=axis)]
     if interface == "plane":

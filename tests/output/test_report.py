@@ -25,6 +25,7 @@ from contactsnes.output.report import certificates, curves, words
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 EVENTS = ("none", "fold", "jump", "gross_sliding")
 COUNT = 12
+pytestmark = pytest.mark.usefixtures("read_here")
 
 
 def archive(path, dimension=1, fields="all", warnings=()):
@@ -203,7 +204,13 @@ window.addEventListener("load", () => setTimeout(() => {
     assert told["mark"] == pytest.approx(0.3, rel=1e-6)
 
 
-def test_a_film_shows_every_point(tmp_path):
+@pytest.fixture
+def coarse(monkeypatch):
+    """Pictures of few pixels."""
+    monkeypatch.setattr(movie, "DOTS", 60)
+
+
+def test_a_film_shows_every_point(tmp_path, coarse):
     PIL = pytest.importorskip("PIL.Image")
     path = movie.write_movie(archive(tmp_path / "run.h5"), MovieOptions(format="gif", width=6.0))
     with PIL.open(path) as film:
@@ -245,22 +252,30 @@ def test_a_picture_shows_the_fields_of_its_point(tmp_path, dimension):
 
 
 @pytest.mark.parametrize("dimension", [1, 2])
-def test_a_gif_has_the_colours_of_its_pictures(tmp_path, dimension):
+def test_a_gif_has_the_colours_of_its_pictures(tmp_path, monkeypatch, dimension):
     """Though these share 256 of them: maps and curves within a hundredth in the mean."""
     PIL = pytest.importorskip("PIL.Image")
-    path = archive(tmp_path / "run.h5", dimension)
+    drawn, pictures = movie.Scenes.pictures, []
+
+    def kept(scenes, places):
+        """What is drawn at places, of which the last comes first, too: its colours are shared."""
+        assert list(places) == [1, 0, 1]
+        for picture in drawn(scenes, places):
+            pictures.append(picture)
+            yield picture
+
+    monkeypatch.setattr(movie.Scenes, "pictures", kept)
     asked = MovieOptions(frames=2, format="gif", width=8.0)
-    with matplotlib.rc_context({**movie.settings(""), "axes.formatter.use_mathtext": False}):
-        pictures = list(movie._scenes(read(path), asked).pictures(range(2)))
-    with PIL.open(movie.write_movie(path, asked)) as film:
-        for number, picture in enumerate(pictures):
+    path = movie.write_movie(archive(tmp_path / "run.h5", dimension), asked)
+    with PIL.open(path) as film:
+        for number, picture in enumerate(pictures[1:]):
             film.seek(number)
             off = np.abs(np.asarray(film.convert("RGB"), float) - picture[..., :3])
             assert off.mean() < 2.5 and np.quantile(off, 0.99) < 32
 
 
 @pytest.mark.skipif(not animation.FFMpegWriter.isAvailable(), reason="there is no ffmpeg")
-def test_a_film_is_an_mp4_where_ffmpeg_is(tmp_path):
+def test_a_film_is_an_mp4_where_ffmpeg_is(tmp_path, coarse):
     path = movie.write_movie(archive(tmp_path / "run.h5", 2), MovieOptions(frames=3, width=6.0))
     assert path == tmp_path / "run.mp4" and b"ftyp" in path.read_bytes()[:16]
 
@@ -272,9 +287,9 @@ def test_a_film_without_ffmpeg_is_a_gif(tmp_path, monkeypatch):
         encoding.ending(MovieOptions(format="mp4"))
 
 
-def test_a_film_without_an_ending_gets_one(tmp_path):
+def test_a_film_without_an_ending_gets_one(tmp_path, coarse):
     asked = MovieOptions(output=str(tmp_path / "film"), format="gif", frames=2, width=6.0)
-    path = movie.write_movie(archive(tmp_path / "run.h5", 2), asked)
+    path = movie.write_movie(archive(tmp_path / "run.h5"), asked)
     assert path == tmp_path / "film.gif" and path.read_bytes().startswith(b"GIF")
 
 

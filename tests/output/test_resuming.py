@@ -21,6 +21,7 @@ from contactsnes.scene.settings import Scene, Steps  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
 LINE = Scene(points=128, normal_maugis=1.5, period=30.0, height=50.0, residual_friction=0.5)
+pytestmark = pytest.mark.usefixtures("read_here")
 
 
 # In Python

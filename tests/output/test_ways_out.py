@@ -22,6 +22,7 @@ from contactsnes.output.vtk import write_vtk
 
 X, Y = np.arange(-3.0, 3.0), np.arange(-2.0, 2.0)
 EVENTS = ("none", "fold", "jump", "pull_off")
+pytestmark = pytest.mark.usefixtures("read_here")
 
 
 def archive(path, events=("none", "fold", "jump", "none"), unit="w_n,r", fields="none",
