@@ -5,6 +5,8 @@ import hashlib
 import math
 import os
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -347,17 +349,19 @@ def test_a_new_shape_and_a_new_body_are_one_file_each(tmp_path):
     small = ("-scene_geometry", "wedge", "-scene_body", "graded", "-scene_points", "128",
              "-scene_period", "20", "-scene_normal_maugis", "1")
     path = ("-load_path", "normal_displacement=1; tangential_displacement=1")
-    copied = lambda *words: call(tmp_path, *words, root=tmp_path)
-    done = copied("run", "-help")
-    assert "-scene_wedge_slope" in done.stdout and "wedge (s |x|)" in done.stdout
-    assert "-scene_graded_rate" in done.stdout
-    done = copied("info", *small, "-scene_poisson", "0.3", "-scene_wedge_slope", "2")
-    assert "-scene_poisson: the body graded has none" in done.stdout, done.stderr
-    assert "-scene_wedge_slope 2\n" in done.stdout and "body graded" in done.stdout
-    done = copied("run", *small, "-scene_wedge_slope", "-1", *path)
-    assert done.returncode == 2 and "-scene_wedge_slope is '-1': allowed is" in done.stderr
-    done = copied("run", *small, *path, "-archive_file", "run.h5")
-    assert done.returncode == 0, done.stderr
+    commands = [["run", *small, "-scene_wedge_slope", "-1", *path],
+                ["info", *small, "-scene_poisson", "0.3", "-scene_wedge_slope", "2"],
+                ["run", *small, *path, "-archive_file", "run.h5"], ["run", "-help"]]
+    done = subprocess.run([sys.executable, "-c", "from contactsnes.commands.cli import main\n"
+                           f"print('statuses', *[main(words) for words in {commands!r}])"],
+                          cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(tmp_path)},
+                          capture_output=True, text=True, check=False)
+    assert done.stdout.endswith("statuses 2 0 0 0\n"), done.stdout + done.stderr
+    assert "-scene_wedge_slope is '-1': allowed is" in done.stderr
+    for told in ("-scene_poisson: the body graded has none", "-scene_wedge_slope 2\n",
+                 "body graded", "  -scene_graded_rate\n", "wedge (s |x|)",
+                 "  -scene_wedge_slope\n"):
+        assert told in done.stdout, told
     scene = read(tmp_path / "run.h5").scene
     assert (scene["geometry"], scene["wedge_slope"], scene["body"], scene["graded_rate"]) == (
         "wedge", 1.0, "graded", 0.5)

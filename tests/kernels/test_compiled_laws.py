@@ -1,9 +1,7 @@
 """Laws in C: those of the package, and those of one's own with their cache."""
 
+import multiprocessing
 import os
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -126,6 +124,15 @@ def test_an_option_that_is_set_later_counts():
     np.testing.assert_allclose(made.traction(gap), LAWS["modified"](0.9, 0.2).traction(gap))
 
 
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """The file of the compiled law `Soft`."""
+    folder = tmp_path_factory.mktemp("made")
+    with_kernel(Soft(), folder)
+    (kept,) = folder.iterdir()
+    return kept
+
+
 @compiler
 def test_a_law_of_ones_own_is_compiled_once(tmp_path, monkeypatch):
     agree(Soft(), with_kernel(Soft(), tmp_path))
@@ -145,48 +152,54 @@ def test_a_law_whose_friction_grows_with_the_overlap_is_compiled(tmp_path):
 
 
 @compiler
-@pytest.mark.parametrize("content", [b"", b"nonsense", None], ids=["empty", "nonsense", "cut off"])
-def test_a_broken_library_is_made_anew(content, tmp_path):
-    with_kernel(Soft(), tmp_path)
-    (kept,) = tmp_path.iterdir()
-    whole = kept.read_bytes()
-    kept.unlink()
-    kept.write_bytes(whole[:len(whole) // 3] if content is None else content)
+@pytest.mark.parametrize("content", [
+    pytest.param(b"", id="empty", marks=pytest.mark.study),
+    pytest.param(b"nonsense", id="nonsense", marks=pytest.mark.study),
+    pytest.param(None, id="cut off")])
+def test_a_broken_library_is_made_anew(content, made, tmp_path):
+    whole, kept = made.read_bytes(), tmp_path / made.name
+    broken = whole[:len(whole) // 3] if content is None else content
+    kept.write_bytes(broken)
     agree(Soft(), with_kernel(Soft(), tmp_path))
+    assert list(tmp_path.iterdir()) == [kept] and kept.read_bytes() != broken
 
 
 @compiler
-def test_a_library_made_from_something_else_is_not_taken(tmp_path):
-    with_kernel(Soft(), tmp_path)
-    (kept,) = tmp_path.iterdir()
+def test_a_library_made_from_something_else_is_not_taken(made):
     with pytest.raises(ValueError, match="something else"):
-        building._loaded(kept, "0" * 32)
+        building._loaded(made, "0" * 32)
 
 
 @compiler
-def test_a_damaged_library_is_not_loaded(tmp_path):
+def test_a_damaged_library_is_not_loaded(made, tmp_path):
     """One that is cut off at four fifths, or has other bytes somewhere, ends the process that loads
     it, or computes something else."""
-    with_kernel(Soft(), tmp_path)
-    (kept,) = tmp_path.iterdir()
-    whole, copy = kept.read_bytes(), tmp_path / "copy"
-    checksum = kept.stem.removeprefix("law-")
+    whole, copy = made.read_bytes(), tmp_path / "copy"
+    checksum = made.stem.removeprefix("law-")
     for part in range(0, len(whole), len(whole) // 40):
         for content in (whole[:part], whole[:part] + b"nonsense" + whole[part + 8:]):
             copy.write_bytes(content)
             with pytest.raises(ValueError, match="damaged"):
                 building._loaded(copy, checksum)
-    assert building._loaded(kept, checksum)
+    assert building._loaded(made, checksum)
+
+
+def build(folder, together):
+    """Compile a law at the moment when others do."""
+    together.wait(60.0)
+    agree(Soft(), with_kernel(Soft(), folder))
 
 
 @compiler
 def test_two_processes_build_at_once(tmp_path):
-    code = ("import sys; sys.path.insert(0, sys.argv[2]); from test_compiled_laws import *; "
-            "agree(Soft(), with_kernel(Soft(), Path(sys.argv[1])))")
-    command = [sys.executable, "-c", code, str(tmp_path), str(Path(__file__).parent)]
-    running = [subprocess.Popen(command, stderr=subprocess.PIPE, text=True) for _ in range(2)]
+    context = multiprocessing.get_context("fork")
+    together = context.Barrier(2)
+    running = [context.Process(target=build, args=(tmp_path, together)) for _ in range(2)]
     for process in running:
-        assert (process.communicate()[1], process.returncode) == ("", 0)
+        process.start()
+    for process in running:
+        process.join()
+        assert process.exitcode == 0
     assert len(list(tmp_path.iterdir())) == 1
 
 

@@ -234,8 +234,10 @@ def test_chunks_are_no_larger_than_the_format_allows(tmp_path, monkeypatch):
     before the first point."""
     size = 8 * 2 * X.size
     monkeypatch.setattr(cell_fields, "LARGEST", 2 * size - 1)
+    monkeypatch.setattr(writing, "BATCH", 64)
     archive = Archive.create(tmp_path / "a.h5", **fields_content("all"))
     append(archive, 70)
+    archive.settle()
     with h5py.File(tmp_path / "a.h5") as file:
         assert file["fields/displacement"].chunks == (1, 2, X.size)
     for number in (0, 69):
@@ -781,10 +783,11 @@ class Recorder(io.BytesIO):
 
 
 @pytest.mark.parametrize("fields, points", [
-    *itertools.product(["none", "last", "all"], [3, 66]),
-    *itertools.product(["active last", "active all", "parted all", "parted active all"], [66]),
+    *itertools.product(["none", "last", "all"], [3]),
+    *itertools.product(["none", "active last", "parted all", "parted active all"], [66]),
     *(pytest.param(*case, marks=pytest.mark.study)
-      for case in [("active last", 3), ("active all", 3), ("parted last", 66)]),
+      for case in [("active last", 3), ("active all", 3), ("parted last", 66), ("last", 66),
+                   ("all", 66), ("active all", 66)]),
     *itertools.product(["none", "last"], [0]),
     ("all", 65)])  # from 65 on two points share a chunk of the fields
 def test_every_prefix_of_the_changes_of_a_point_is_an_archive(tmp_path, monkeypatch, fields,

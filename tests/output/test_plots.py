@@ -164,8 +164,8 @@ def names_of(figures):
 
 @pytest.fixture
 def undrawn(monkeypatch):
-    """Files of figures are empty: to draw them is nearly all that a figure costs, and what they look
-    like has tests of its own."""
+    """Files of figures are empty: to draw them is nearly all that a figure costs, and what they
+    look like has tests of its own."""
     monkeypatch.setattr(plotting, "saved", lambda figure, path: path.touch())
 
 
@@ -607,7 +607,8 @@ def test_columns_that_are_not_known_everywhere_are_drawn_where_they_are(tmp_path
             curves.draw_columns([record], pair)
 
 
-def test_archives_stand_together_whose_costs_are_counted_in_other_units(tmp_path, monkeypatch, undrawn):
+def test_archives_stand_together_whose_costs_are_counted_in_other_units(tmp_path, monkeypatch,
+                                                                        undrawn):
     known, paths = columns(), [tmp_path / "cell.h5", tmp_path / "alone.h5"]
     for path in paths:
         monkeypatch.setitem(globals(), "columns", lambda dimension, path=path: known | {

@@ -23,7 +23,7 @@ def refused(done, *words):
 @together
 @pytest.mark.parametrize("size", SIZES)
 def test_what_one_process_does_is_refused(size, tmp_path):
-    refused(command(size, "plot", "run.h5", folder=tmp_path, fresh=True),
+    refused(command(size, "plot", "run.h5", folder=tmp_path, fresh=size == 2),
             f"{size} processes", "plot")
 
 
@@ -182,7 +182,7 @@ world.join()
 assert world.neighbours == world.size == 2
 assert 0.8 * alone < memory() < 1.2 * alone
 """
-    assert program(2, text, tmp_path, fresh=True).returncode == 0
+    assert program(2, text, tmp_path).returncode == 0
 
 
 @together
@@ -210,7 +210,7 @@ second = launched()[1] == 1
 os.chdir({file!r} if second else "here")
 sys.exit(main(["run", *{PLANE!r}, "-scene_geometry", "file", "-scene_geometry_file",
                "heights.txt", *({more!r} if second else [])]))"""
-    refused(program(2, text, tmp_path, fresh=True), *words)
+    refused(program(2, text, tmp_path), *words)
 
 
 @together
@@ -224,7 +224,7 @@ from contactsnes.system.processes import launched
 if launched()[1] == {rank}:
     os.environ["PETSC_OPTIONS"] = "-snes_atol 1e-7"
 sys.exit(main(["info", *{PLANE!r}]))"""
-    done = program(2, text, tmp_path, fresh=True)
+    done = program(2, text, tmp_path)
     assert done.returncode == status, done
     if status:
         refused(done, "process 2 of 2 differs from the first one: PETSC_OPTIONS is -snes_atol 1e-7 "
@@ -239,7 +239,7 @@ import sys
 from contactsnes.commands.cli import main
 from contactsnes.system.processes import launched
 sys.exit(main([*({second!r} if launched()[1] else ["run"]), *{PLANE!r}]))"""
-    refused(program(2, text, tmp_path, fresh=True), "process 2 of 2", " ".join(second),
+    refused(program(2, text, tmp_path), "process 2 of 2", " ".join(second),
             "and run in the first")
 
 
