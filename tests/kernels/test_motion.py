@@ -1,5 +1,5 @@
 """Damped motion in C against NumPy's, and on half of the nodes against all of them: the same states
-after hundreds of steps."""
+after more than a hundred steps."""
 
 import gc
 import sys
@@ -80,7 +80,7 @@ def agree(one, other, relative=None):
         np.testing.assert_allclose(sums(other), sums(one), rtol=relative)
 
 
-def same_way(one, other, name, masses="fourier", steps=200):
+def same_way(one, other, name, masses="fourier", steps=140):
     """Two motions agree at the start, on their way and after steps, and cost what they should."""
     agree(one, other, 1e-10)
     methods = [method_of(motion, name, masses) for motion in (one, other)]
