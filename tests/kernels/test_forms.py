@@ -154,8 +154,15 @@ transforms of hundreds of points (and their sums in the law's steep parts). Wher
 the sum of tractions that partly cancel magnifies it: up to 2.3e-6 over seven random vectors."""
 
 
-@pytest.mark.parametrize("compiled", [False, True])
-@pytest.mark.parametrize("name, count, part, kind, control", CASES)
+def by_both(cases):
+    """Cases of compiled forms and of NumPy's, of which those that hold displacements, a part of
+    those that hold forces, are studies."""
+    return [*((*case, True) for case in cases),
+            *(pytest.param(*case, False, marks=pytest.mark.study if case[-1] == "displacement"
+                           else ()) for case in cases)]
+
+
+@pytest.mark.parametrize("name, count, part, kind, control, compiled", by_both(CASES))
 def test_products_in_single_precision(name, count, part, kind, control, compiled):
     """They differ from those in double by rounding, and by no less, and are counted apart."""
     form, unknown = form_of(compiled, name, count, part, kind, control)
@@ -224,9 +231,8 @@ def test_compiled_arc_length_is_numpys(name, count, part, kind, control):
     agree(*found)
 
 
-@pytest.mark.parametrize("compiled", [False, True])
-@pytest.mark.parametrize("name, count, part, kind, control",
-                         [case for case in CASES if case[2] != "strip" and case[3] != "half"])
+@pytest.mark.parametrize("name, count, part, kind, control, compiled", by_both(
+    [case for case in CASES if case[2] != "strip" and case[3] != "half"]))
 def test_products_of_arc_length_in_single_precision(name, count, part, kind, control, compiled):
     """The row and the column of the length are in double."""
     form, unknown = form_of(compiled, name, count, part, kind, control)
