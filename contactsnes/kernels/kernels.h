@@ -80,6 +80,7 @@ typedef struct { /* a circulant operator times fields on boxes of shape[0] x sha
                         multiplied in place */
     long picked;     /* if `on_circle` is not null, some nodes of one box: their number, */
     const int *on_circle, *in_box; /* and their numbers on the circle and in the box */
+    const int *pairs; /* of slabs, whether a pair of rows here has any of them; null: of all */
 } Response;
 
 typedef struct { /* rows here, of which processes get columns; those of this process stay where they are, or (packed.c)
@@ -311,7 +312,7 @@ void share_rows(const Shares *s, long field, long row, long count, void *x, int 
 void *row_that_came(const Shares *s, long field, long row);
 void folded_invert(const Transform *t, const double *compliance, double stiffness, double gain,
                    void *symbol);
-void shared_rows(const Transform *t, const Shares *s, int back);
+void shared_rows(const Transform *t, const Shares *s, const Response *response, int back);
 void shared_columns(const Transform *t, const Shares *s, const Response *response, const void *symbol,
                     int transposed);
 void packed_invert(const Transform *t, const double *compliance, double stiffness, double gain,

@@ -54,10 +54,10 @@ void packed_multiply(const Transform *t, const Response *response, const void *s
 }
 
 /* The same of slabs, in steps between which processes exchange waves: rows, columns, and rows back. */
-void shared_rows(const Transform *t, const Shares *s, int back)
+void shared_rows(const Transform *t, const Shares *s, const Response *response, int back)
 {
-    if (t->single) shared_rows_in_single(t, s, back);
-    else shared_rows_in_double(t, s, back);
+    if (t->single) shared_rows_in_single(t, s, response, back);
+    else shared_rows_in_double(t, s, response, back);
 }
 
 void shared_columns(const Transform *t, const Shares *s, const Response *response, const void *symbol,

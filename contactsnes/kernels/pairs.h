@@ -254,17 +254,22 @@ static REAL *OF(waves_for)(const Shares *s, long field, long part, long row, lon
 }
 
 /* The rows of slabs, transformed, to what is sent while they are in the processor's cache; or back. The second
-   of a last pair of one row is room beyond what rows are transformed to. */
-static void OF(shared_rows)(const Transform *t, const Shares *s, int back)
+   of a last pair of one row is room beyond what rows are transformed to. Pairs without a node of the response are
+   zero, and only of a residual, in double precision, anything is asked for there. */
+static void OF(shared_rows)(const Transform *t, const Shares *s, const Response *response, int back)
 {
     const long c = t->shape[1], rows = t->shape[0];
+    const int *pairs = response && !(back && sizeof(REAL) == sizeof(double)) ? response->pairs : 0;
     REAL *waves = t->spectrum, *none = waves + 2 * c;
     for (long i = 0; i < t->count; i++)
         for (long j = 0; j < rows; j += 2) {
+            const int empty = pairs && !pairs[j / 2];
             REAL *z = OF(field_of)(t, i) + j * c;
             long before = 0;
+            if (empty && back) continue;
             for (long k = 0; k < c && !back && j + 1 == rows; k++) z[2 * k + 1] = 0.0;
-            if (!back) EXECUTE_ROWS(t->forward, z, waves);
+            if (empty) memset(waves, 0, 2 * c * sizeof *waves);
+            else if (!back) EXECUTE_ROWS(t->forward, z, waves);
             if (back && j + 1 == rows) memset(none, 0, 2 * c * sizeof *none);
             for (long part = 0; part < s->parts; part++) {
                 const long first = s->first[part], columns = s->first[part + 1] - first;

@@ -65,5 +65,7 @@ def response(convolution, count, transform):
         places = transform.places(window.on_circle), window.places
         own.picked = window.size
         own.on_circle, own.in_box = map(address, places)
-        product = product, places
+        pairs = transform.pairs_with(places[0]) if isinstance(transform, SlabPacked) else None
+        own.pairs = None if pairs is None else address(pairs)
+        product = product, places, pairs
     return own, (transform, symbols, product)

@@ -19,6 +19,9 @@ from .slabs import OfLibrary
 from .structures import address
 from .transforms import Packed
 
+FULL = 0.9
+"""Part of the pairs of rows with nodes from which on all are transformed."""
+
 
 class SlabReal(OfLibrary, SlabTransform):
     """`grid.slab_transform.SlabTransform`, of whose columns of waves the library has charge.
@@ -192,6 +195,18 @@ class SlabPacked(OfLibrary, Filtering):
         """A symbol (..., *waves) as the library takes it: column after column."""
         return super().fitting(np.swapaxes(block, -1, -2))
 
+    def pairs_with(self, places):
+        """Which pairs of rows have some of a few places, 1 or 0; None where all, or nearly all,
+        have.
+
+        Parameters
+        ----------
+        places : array of int, as of ``places``
+        """
+        found = np.zeros(-(-self.structure.shape[0] // 2), dtype=np.intc)
+        found[places // (2 * self.shape[1])] = 1
+        return None if found.sum() > FULL * len(found) else found
+
     def rows(self, field):
         """A field (rows here, columns) of this memory as (pairs, 2, columns), its rows in order."""
         return field.reshape(-1, self.shape[1], 2).swapaxes(1, 2)
@@ -208,10 +223,10 @@ class SlabPacked(OfLibrary, Filtering):
         rows, columns, shares = map(ctypes.addressof, (self.structure, self.spectral,
                                                        self._shares))
         self._grid.counter.add(*self._cost)
-        self.library.shared_rows(rows, shares, False)
+        self.library.shared_rows(rows, shares, response, False)
         if self._empty.size:
             self.spectrum[:, self._empty] = 0.0
         self._exchange.send()
         self.library.shared_columns(columns, shares, response, symbol, transposed)
         self._exchange.take()
-        self.library.shared_rows(rows, shares, True)
+        self.library.shared_rows(rows, shares, response, True)

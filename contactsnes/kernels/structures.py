@@ -82,7 +82,7 @@ class Response(ctypes.Structure):
                 ("shape", c_long * 2), ("symbol", c_void_p * MOST * MOST),
                 ("is_complex", c_long * MOST * MOST), ("crosses", c_long * MOST * MOST),
                 ("product", c_void_p), ("picked", c_long), ("on_circle", c_void_p),
-                ("in_box", c_void_p)]
+                ("in_box", c_void_p), ("pairs", c_void_p)]
 
 
 class Shares(ctypes.Structure):

@@ -27,8 +27,9 @@ scene = Scene(points=shape, period=(12.0, 9.0), dimension=2, geometry="sphere", 
 shared = Contact(scene, kernels=chosen(True), grid=Slabs(shape, scene.periods, comm))
 alone = Contact(scene, kernels=chosen(False))
 masks = {"cell": np.ones(shape, dtype=bool), "nodes": random.random(shape) < 0.5,
-         # of which a process has none
-         "rows": (np.arange(shape[0])[:, None] < 18) & (random.random(shape) < 0.5),
+         # of which a process has none, and a pair of rows between others
+         "rows": np.isin(np.arange(shape[0])[:, None] // 2, (0, 3, 4, 8))
+         & (random.random(shape) < 0.5),
          "box": None}
 
 
@@ -115,11 +116,19 @@ for part, controls, arc, single in itertools.product(
         assert not last or np.allclose(scalars, tail, rtol=close, atol=close * most), case
         assert last or not scalars.size, case
     assert inner.evaluations == 2 and inner.products == 2
+    response = inner.kernel.structure.response.contents
+    assert comm.size > 1 or bool(response.pairs) is (part in ("rows", "box"))
     if not arc:
         one, other = (answered(form, part) for form in (here, whole))
         assert np.allclose(one, other, rtol=1e-11), (part, controls, one, other)
         one, other = (asked(form, form.state(pressed(form, part)), 60.0) for form in (here, whole))
         assert np.allclose(one, other, rtol=1e-12) and 0.0 < one[1], (part, controls, one, other)
+    if part in ("nodes", "rows") and not arc:
+        # what is closest is in a row without nodes
+        for form in (here, whole):
+            form.residual(pressed(form, part), np.empty(form.size))
+        one, other = (form.closest_beyond(-20.0) for form in (here, whole))
+        assert np.isclose(one, other, rtol=1e-12), (part, controls, one, other)
 print("alike")
 """
 
