@@ -24,6 +24,9 @@ an error of the grid's, which next to a vanishing eigenvalue leads off the branc
 VANISHED = 1e-3
 """Part of its values at the ends of a step below which an eigenvalue is zero at a root, and does
 not jump through it."""
+SINGLED = 0.25
+"""Part of a first step beyond which one is not taken where modes change and none of them can be
+followed to zero: two at once may be a fold that was passed."""
 PARTED = 0.01
 """Part of a step by which states are apart on either side of a place if they lie on two
 branches."""
@@ -142,13 +145,13 @@ def _doubt(system, leg, last, point):
                    "or a bifurcation was passed before; -continuation_stability "
                    "certifies points")
     change = after.unstable_modes - before.unstable_modes
+    passed = between(system, system.examiner, leg, (last[0], before), (point.position, after))
     if min(before.unstable_modes, after.unstable_modes) == 0 and change % 2 == 0 and change:
         system.log(f"{abs(change)} modes of the branch change their sign "
                    f"between {place(last[0])} and {place(point.position)}: "
                    "-continuation_stability certifies its points")
         return
-    for critical in between(system, system.examiner, leg, (last[0], before),
-                            (point.position, after)):
+    for critical in passed:
         system.log(f"a bifurcation at {place(critical.position)} is passed, and "
                    "points beyond are not stable: -continuation_stability "
                    "certifies them, -continuation_at_bifurcation follow goes "
@@ -160,8 +163,8 @@ def between(system, stability, leg, before, after):
 
     None where it is not known, nor where a mode of a free body fades (`_fades`). Each by a
     bracketed root of its eigenvalue (Brent's method) along the branch, which is solved for in
-    between. NotConverged where that fails and the neighbours lie on two branches: an odd number
-    changes away from folds and bifurcations, or the state jumps with an eigenvalue.
+    between. NotConverged where that fails and the neighbours lie on two branches, as an odd number
+    away from folds and bifurcations tells, or a jump of the state; or may (`SINGLED`).
 
     Parameters
     ----------
@@ -184,7 +187,8 @@ def between(system, stability, leg, before, after):
                 continue
             point = _root(system, stability, leg, [before, after], index)
         except NotConverged as error:
-            if _parts(error, before[1], after[1]):
+            long = abs(after[0] - before[0]) > SINGLED * leg.initial
+            if _parts(error, before[1], after[1]) or long and not isinstance(error, Neutral):
                 raise NotConverged(f"{sentence}: {error}") from None
             system.log(f"{sentence}: {error}")
             continue

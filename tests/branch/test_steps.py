@@ -117,6 +117,23 @@ def test_a_trace_passes_nearly_broken_bifurcations_on_its_branch(form, step, tmp
     np.testing.assert_allclose(folds(points)[:, 0], (0.0668412, 0.058641), rtol=2e-6)
 
 
+@pytest.mark.parametrize("step, stability", [
+    (0.4, "off"), pytest.param(0.2, "eigenvalue", marks=pytest.mark.study)])
+def test_two_modes_that_change_in_a_long_step_are_a_fold_that_it_passed(step, stability, tmp_path):
+    """Three spots that are nearly the same, pulled off full contact: a step ended where two modes
+    are unstable, and the path went on there to another fold and another jump."""
+    x = 2.0 * np.pi * np.arange(-80, 80) / 160
+    np.save(tmp_path / "three.npy",
+            0.8 * np.cos(3 * x) + 0.05 * np.cos(x) - 0.02 * np.sin(2 * x))
+    scene = {"points": 160, "period": 24.0, "height": inf, "normal_maugis": 2.0,
+             "geometry": "file", "geometry_file": str(tmp_path / "three.npy")}
+    long, short = (walked(scene, "normal_displacement=-0.8", size, size, "normal_displacement=1",
+                          stability=stability) for size in (step, 0.1))
+    assert kinds(long) == kinds(short) == [("fold", "pull_off"), ("jump", "")] * 2
+    np.testing.assert_allclose(folds(long), folds(short), rtol=1e-7)
+    np.testing.assert_allclose(losses(long), losses(short), rtol=1e-6)
+
+
 def test_a_step_that_begins_next_to_a_fold_does_not_pass_it():
     """A point 2e-7 before the fold, from which the load rises by 0.01 to the next one, is where two
     folds near each other hide."""
