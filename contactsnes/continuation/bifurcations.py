@@ -24,7 +24,7 @@ an error of the grid's, which next to a vanishing eigenvalue leads off the branc
 VANISHED = 1e-3
 """Part of its values at the ends of a step below which an eigenvalue is zero at a root, and does
 not jump through it."""
-SINGLED = 0.02
+SINGLED = 1e-3
 """Part of a first step beyond which one is not taken where modes change and none of them can be
 followed to zero: two at once may be a fold that was passed."""
 PARTED = 0.01
