@@ -89,6 +89,23 @@ def test_the_oldest_python_is_the_same_for_all_tools():
     assert re.search(r"python3\.\{[\d,]*," + asked + r"\}", taken)
 
 
+@pytest.mark.skipif(not shutil.which("bash"), reason="no bash")
+def test_the_set_up_leaves_the_standard_library_to_pip(tmp_path):
+    """Directories that an environment names besides its own are packages' alone: pip takes all of
+    them from the path of what it builds apart, which would find no module at all."""
+    text = (ROOT / "scripts" / "setup").read_text()
+    function = re.search(r"^seen_by\(\) \{.*?^\}$", text, re.M | re.S)[0]
+    own = tmp_path / "packages"
+    own.mkdir()
+    told = subprocess.run(["bash", "-c", f'{function}\nseen_by "$0"', sys.executable],
+                          env={**os.environ, "PYTHONPATH": str(own)}, capture_output=True,
+                          text=True, check=True).stdout.splitlines()
+    standard = set(run(sys.executable, "-ISc", "import sys; print(*sys.path, sep='\\n')",
+                       folder=tmp_path).splitlines())
+    assert str(own) in told and standard and not standard & set(told)
+    assert any(Path(place, "numpy").is_dir() for place in told)
+
+
 @pytest.mark.study
 @pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")
 @pytest.mark.parametrize("editable", [False, True])
