@@ -577,7 +577,7 @@ HALVES, QUICK = (Form(linear_precision="single", symmetry=symmetry) for symmetry
                               "cell-edge", "force-tangent", "force-edge", "no symmetry",
                               "single", "single-no symmetry"])
 def test_transforms_of_a_run_are_all_counted(counter, form, predictor):
-    branch = Branch(Scene(**SHARP, height=20.0), Load(start="normal_displacement=1",
+    branch = Branch(Scene(**SHARP, height=20.0), Load(start="normal_displacement=6",
                                                       path="normal_displacement=20; "
                                                       "tangential_displacement=3, "
                                                       "normal_force=12"),

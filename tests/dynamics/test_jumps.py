@@ -231,8 +231,8 @@ def test_inertia_ends_in_the_same_state_at_a_higher_price(name, jumped, options)
 
 
 @pytest.mark.parametrize("name", JUMPS)
-@pytest.mark.parametrize("changes", ({"kick": 0.01}, {"kick": 0.5}, {"tolerance": 0.05},
-                                     {"tolerance": 0.001}), ids=str)
+@pytest.mark.parametrize("changes", ({"kick": 0.01, "tolerance": 0.05},
+                                     {"kick": 0.5, "tolerance": 0.001}), ids=str)
 def test_the_end_does_not_depend_on_kick_and_tolerance(name, changes, jumped, options):
     options(**{f"jump_motion_{key}": value for key, value in changes.items()})
     branch, points, _ = jumped[name]

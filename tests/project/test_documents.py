@@ -36,8 +36,9 @@ WRITERS = {
     "surfaces/page.py": "rough", "worth": "rough"}
 """Script -> page between whose marks it writes."""
 
-LONG = ("experiments", "running", "tutorial")
-"""Pages whose commands take many seconds: they are asked for info, and run as a study."""
+LONG = ("experiments", "python", "running", "tutorial")
+"""Pages that take many seconds: their commands are asked for info, their programs compiled, and all
+of them run as a study."""
 
 every_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 
