@@ -6,6 +6,7 @@ import io
 import math
 import multiprocessing
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -41,7 +42,7 @@ ENVIRONMENT = {
     for name, value in os.environ.items()
     if not name.startswith(("OMPI_", "PMI", "SLURM"))
 } | {"PYTHONPATH": str(ROOT), "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-COMMAND = f"{sys.executable} -m contactsnes"
+COMMAND = shlex.join([sys.executable, "-m", "contactsnes"])
 STILL = ("-scene_points 128 -scene_period 20 -scene_normal_maugis 1 -load_start "
          "normal_displacement=-5 -load_path normal_displacement=hold")
 """One cheap point."""
@@ -199,7 +200,7 @@ with Interrupts():
 def test_signals_at_any_moment_end_a_run_with_their_numbers(tmp_path):
     for number, wait in ((signal.SIGHUP, 0.0), (signal.SIGINT, 0.2), (signal.SIGTERM, 0.4),
                          (signal.SIGHUP, 1.0)):
-        process = subprocess.Popen([*COMMAND.split(), "run", *STILL.split(), "-load_path",
+        process = subprocess.Popen([*shlex.split(COMMAND), "run", *STILL.split(), "-load_path",
                                     "normal_displacement=40", "-continuation_largest_step", "0.01",
                                     "-archive_file", f"{wait}.h5"], cwd=tmp_path, env=ENVIRONMENT,
                                    text=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
