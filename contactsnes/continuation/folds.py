@@ -24,6 +24,11 @@ AHEAD = 0.01
 """Ranges of the law within which a load that still rises, by its slope, would tell it from a
 plateau."""
 
+LOST = "following the branch by arc length failed too, so that no fold was located"
+IN_PLACE = 2
+"""Failures in turn, each in a step a quarter as long, after which edges of contact are not followed
+any more: of a spot that is just born they run away from it, and however short a step is, they lead
+across the branch."""
 MOST = 60
 """Steps of arc length that are tried."""
 BEHIND = 5
@@ -59,16 +64,16 @@ class FoldSearch:
             trail = self.trail(refused)
         except NotConverged as second:
             raise NoFold(f"{error}; no neighbour was found either: {second}") from None
-        end = min(begin + self.largest, 1.0)
+        end, failures = min(begin + self.largest, 1.0), 0
         first = length = self._short_of(refused, trail)
         for _ in range(MOST):
             try:
-                point = self._ahead(trail, length)
+                point = self._ahead(trail, length, failures)
             except NotConverged as second:
-                length = self._shorter(length, first, f"{error}; following the branch by arc "
-                                       f"length failed too, so that no fold was located: {second}")
+                length = self._shorter(length, first, f"{error}; {LOST}: {second}")
+                failures += 1
                 continue
-            trail = [*trail[-self.behind:], (point.position, point)]
+            failures, trail = 0, [*trail[-self.behind:], (point.position, point)]
             slope = self._slopes(trail[-3:])[1]
             steady = slope[2] > STEADY * slope[1]
             if slope[2] <= 0.0:
@@ -121,22 +126,22 @@ class FoldSearch:
         step = max(self.leg.smallest, 1e-3 * self.initial)
         return neighboured(self.system, self.leg, here, last, step, refused)
 
-    def _ahead(self, trail, length):
-        """The point at a given arc length beyond the last two."""
+    def _ahead(self, trail, length, failures=0):
+        """The point at a given arc length beyond the last two, after failures in turn."""
         earlier = trail[:-2] or self.history[:-2]
-        return self._at(*trail[-2:][::-1], length, earlier[-1:])
+        return self._at(*trail[-2:][::-1], length, earlier[-1:], failures < IN_PLACE)
 
-    def _at(self, end, begin, length, earlier=()):
+    def _at(self, end, begin, length, earlier=(), follow=True):
         """The point at about arc length ``length`` from the ``end`` of a way, on from its
-        ``begin``, with edges and fronts that move on: in place, steps would have to be shorter than
-        these are wide. Each is (position, point), as the one ``earlier``, if any, which tells how
-        they turn."""
+        ``begin``, with edges and fronts that move on, if they are to be followed: in place, steps
+        have to be shorter than these are wide. Each is (position, point), as the one ``earlier``,
+        if any, which tells how they turn."""
         system, (_, last), (_, first) = self.system, end, begin
         places, points = zip(*earlier, begin, end)
         arc = [0.0, *np.cumsum([system.chord_length(one.state, other.state)
                                 for one, other in zip(points, points[1:])])]
         weights = lagrange_weights(arc, arc[-1] + length)
-        guess = system.follow_edge(points, weights)
+        guess = system.follow_edge(points, weights) if follow else None
         if guess is None:
             places, points, weights = places[-2:], [first, last], lagrange_weights(
                 arc[-2:], arc[-1] + length)
@@ -278,14 +283,15 @@ class FoldSearch:
     def _bracketed(self, trail, behind=None):
         """The trail, gone on along the arc until the load falls, or for eight steps; of points
         before the last one all, or that many are kept."""
-        length = 0.5 * self._slopes(trail[-3:])[0][2]
+        length, failures = 0.5 * self._slopes(trail[-3:])[0][2], 0
         for _ in range(8):
             if trail[-1][0] < trail[-2][0]:
                 break
             try:
-                ahead = self._ahead(trail, length)
+                ahead = self._ahead(trail, length, failures)
             except NotConverged:
-                length *= 0.25
+                failures, length = failures + 1, 0.25 * length
                 continue
+            failures = 0
             trail = [*trail, (ahead.position, ahead)][-behind - 1 if behind else None:]
         return trail

@@ -19,6 +19,9 @@ FAR = 0.3
 FASTER = 4.0
 """How much farther than the last step, per unit of the load, one may lead that missed its
 prediction."""
+HURRIED, FAST = 0.05, 2.0
+"""Ranges of the law, and how much faster than the last step, from which on one that ended near its
+prediction is asked whether the branch leads back."""
 FIRST = 1.0
 """Way of a first step, ranges of the law, from which on the tangent at its end has to lead back."""
 FURTHEST = 1.5
@@ -122,6 +125,9 @@ class LoadSteps:
                  else self._strayed(guess, target, point))
         if not aside and (len(self.history) < 3 or missed > SURE * moved):
             aside = self._leapt(target, point)
+        if not aside and moved > max(HURRIED, FAST * self._expected(target)):
+            aside = self._hurried(target, point, missed > SHARE * moved
+                                  and moved > FASTER * self._expected(target))
         if aside:
             raise NotConverged(f"{aside}, perhaps on another branch")
         return point.changed(leg=self.leg.number, position=target)
@@ -172,6 +178,15 @@ class LoadSteps:
             self._way_back(target, point)
         return "" if self._led > LED else ("nodes released energy on their way, and the branch "
                                            "where they ended hardly leads back")
+
+    def _hurried(self, target, point, missed):
+        """How a step went much faster than the last one to where predictions have it, or ``missed``
+        these by much of its way: across a small jump, or to the other side of a pitchfork that is
+        nearly one. '' where the branch leads back."""
+        if not missed and self._led is None:
+            self._way_back(target, point)
+        return "" if not missed and self._led > LED else (
+            "the step went much faster than the last one")
 
     def _way_back(self, target, point):
         """Where the tangent at the end of a step leads on the way back; what part of that way it

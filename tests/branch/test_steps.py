@@ -134,6 +134,37 @@ def test_two_modes_that_change_in_a_long_step_are_a_fold_that_it_passed(step, st
     np.testing.assert_allclose(losses(long), losses(short), rtol=1e-6)
 
 
+# Points, period, height, Maugis parameter; waves; start, end; steps; load of the first fold.
+BUMPS = {
+    "a small jump on a step foretold well": (
+        (160, 25.468, 5.0, 2.1946), (3, 0.24805, 0.03157, 0.31, 0.030394, 4.8765),
+        (-0.3, 0.0), (0.1, 0.05), -0.111),
+    "the other side of a pitchfork that is nearly one": (
+        (160, 13.6414, 20.0, 2.2399), (2, 1.29185, 0.00338, 3.06533, 0.01816, 0.88753),
+        (1.6806, -3.6806), (0.02,), 0.39479),
+    "a fold next to which a spot is born": (
+        (192, 17.663, inf, 1.7856), (3, 1.24825, 0.031171, 1.067, 0.0076005, 1.18046),
+        (-2.0, -1.88), (0.1, 0.02), -1.90253),
+}
+
+
+@pytest.mark.parametrize("case", BUMPS)
+def test_nearly_equal_bumps_meet_the_same_fold_in_steps_of_any_size(case, tmp_path):
+    """Steps passed it, or led to the branch of another bump, or ended before it: edges of a contact
+    that is just born led searches across the branch."""
+    (points, period, height, maugis), waves, (start, end), steps, load = BUMPS[case]
+    x = 2.0 * np.pi * np.arange(-points // 2, points // 2) / points
+    count, high, first, turned, second, aside = waves
+    np.save(tmp_path / "bumps.npy", high * np.cos(count * x) + first * np.cos(x + turned)
+            + second * np.cos(2.0 * x + aside))
+    scene = {"points": points, "period": period, "height": height, "normal_maugis": maugis,
+             "geometry": "file", "geometry_file": str(tmp_path / "bumps.npy")}
+    for step in steps:
+        found = walked(scene, f"normal_displacement={end}", step, step,
+                       f"normal_displacement={start}", at_fold="stop")
+        np.testing.assert_allclose(folds(found)[0, 0], load, atol=2e-5)
+
+
 def test_a_step_that_begins_next_to_a_fold_does_not_pass_it():
     """A point 2e-7 before the fold, from which the load rises by 0.01 to the next one, is where two
     folds near each other hide."""
