@@ -9,6 +9,7 @@ an interrupted command.
 import dataclasses
 import gc
 import importlib
+import os
 import signal
 import sys
 
@@ -17,6 +18,7 @@ from ..branch.failures import uncomputable
 from ..branch.grid_choice import TooLarge
 from ..options.database import database, read
 from ..options.fields import InputError, meant
+from ..options.files import home
 from ..options.words import asks_for_help
 from ..output.files import ArchiveError, WriteError
 from ..scene import settings as scenes
@@ -56,6 +58,7 @@ wins. For instance:
 def main(argv=None):
     """Run a command; return the exit status (module docstring)."""
     words = list(sys.argv[1:] if argv is None else argv)
+    os.environ.setdefault("HOME", str(home()))  # without one Matplotlib does not start
     interrupts = Interrupts()
     try:
         with standard_streams(), interrupts:

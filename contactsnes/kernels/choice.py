@@ -17,6 +17,7 @@ from ..grid.mirrors import without_mirror
 from ..grid.sides import Sides, parts_of
 from ..grid.splines import sources, spline
 from ..grid.transfer import blurred
+from ..options.files import home
 from . import library
 
 LARGE = 2 ** 16
@@ -25,7 +26,7 @@ LARGE = 2 ** 16
 
 def default_cache():
     """The folder for what is kept between runs, where none is named."""
-    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    base = os.environ.get("XDG_CACHE_HOME") or home() / ".cache"
     return Path(base) / "contactsnes"
 
 

@@ -28,6 +28,12 @@ def is_option(argument):
     return False
 
 
+def home():
+    """The folder of this user; the root, as containers have it, for one who has none."""
+    found = os.path.expanduser("~")
+    return Path("/" if found == "~" else found)
+
+
 def folders():
     """The folder of the scenes and methods that come with the package: beside its modules where it
     is installed, options/ of a checkout; a list of one, empty where it is missing."""
@@ -125,12 +131,20 @@ def refuse_circles(text):
     include themselves."""
     words = text.split()
     paths = [value for name, value in zip(words, words[1:]) if name.lower() == "-options_file"]
-    for path in (*paths, Path.home() / ".petscrc", ".petscrc", "petscrc"):
-        if (
-            Path(path).is_file()
-            and "-options_file" in Path(path).read_text(encoding="utf-8", errors="replace").lower()
-        ):
+    for path in (*paths, home() / ".petscrc", ".petscrc", "petscrc"):
+        # (the folder of another user, whom a container or sudo has left in HOME, has none for us)
+        if os.path.isfile(path) and "-options_file" in _lower(path):
             read_file(path)
+
+
+def _lower(path):
+    """The text of a file that PETSc reads by itself, or passes over where it may not; in lower
+    case."""
+    try:
+        return Path(path).read_text(encoding="utf-8", errors="replace").lower()
+    except OSError as error:
+        raise InputError(f"the options file '{path}' cannot be read ({error.strerror}): give this "
+                         "user the right to, or take it away") from None
 
 
 def with_files(arguments, above=()):

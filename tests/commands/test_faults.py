@@ -2,10 +2,12 @@
 and nothing is lost."""
 
 import dataclasses
+import errno
 import io
 import math
 import multiprocessing
 import os
+import pwd
 import shlex
 import signal
 import subprocess
@@ -24,6 +26,7 @@ from contactsnes.branch import memory, too_large
 from contactsnes.branch.branch import Branch
 from contactsnes.commands import cli
 from contactsnes.interface import seams
+from contactsnes.kernels.choice import default_cache
 from contactsnes.options import database as options
 from contactsnes.options import files
 from contactsnes.options.fields import InputError
@@ -257,6 +260,37 @@ def test_a_package_that_was_compiled_for_another_numpy_is_told(name, program, er
 
 
 # Files of options, names and folders
+
+
+def test_a_user_without_a_folder_of_its_own_computes(tmp_path, monkeypatch):
+    """As containers start programs: under a number that no list of users has."""
+    def unknown(number):
+        raise KeyError(number)
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(pwd, "getpwuid", unknown)
+    for name in ("HOME", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    assert default_cache() == Path("/.cache/contactsnes")
+    assert cli.main(["info", *STILL.split()]) == 0
+    assert os.environ["HOME"] == "/"  # of Matplotlib, which does not start without one
+
+
+def test_the_folder_of_another_user_is_passed_over(tmp_path, monkeypatch):
+    """As PETSc does it; what is in the working folder is named."""
+    def closed(path, **how):
+        raise PermissionError(errno.EACCES, "Permission denied", str(path))
+
+    (tmp_path / ".petscrc").write_text("-snes_max_it 9", encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    with monkeypatch.context() as change:
+        change.setattr(Path, "read_text", closed)
+        with pytest.raises(InputError, match="petscrc' cannot be read .Permission denied.: give"):
+            files.refuse_circles("")
+    (tmp_path / ".petscrc").unlink()
+    monkeypatch.setenv("HOME", str(tmp_path / "closed"))
+    monkeypatch.setattr(Path, "stat", closed)
+    files.refuse_circles("")
 
 
 def test_a_file_that_includes_itself_is_refused(tmp_path, monkeypatch):
