@@ -16,6 +16,8 @@ from importlib.util import find_spec
 
 import numpy as np
 
+from .streams import Waiting
+
 LAUNCHED = (("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"), ("PMI_SIZE", "PMI_RANK"),
             ("SLURM_STEP_NUM_TASKS", "SLURM_PROCID"), ("MV2_COMM_WORLD_SIZE",
                                                        "MV2_COMM_WORLD_RANK"),
@@ -132,6 +134,10 @@ class World:
 
     def join(self):
         """Be one of the processes that MPI knows of (mpi4py); all but the first fall silent."""
+        with Waiting():  # one that ends between leaves the others waiting for it for ever
+            self._join()
+
+    def _join(self):
         import mpi4py
 
         mpi4py.rc.threads = False  # nothing here needs them, and some networks are slower with them
@@ -232,7 +238,7 @@ class World:
         what others have met with alone."""
         if self.size == 1:
             return status
-        self.meet(2, status)
+        self.meet(2, status, SHORT if status > 128 else PATIENCE)
         ends = self._last.allgather((status, self._said.errors()))
         if not self.rank:
             sys.stderr.write("".join(

@@ -60,6 +60,29 @@ def test_memory_that_lacks_in_some_processes(ranks, tmp_path):
     assert read(tmp_path / "run.h5").points == 3
 
 
+JOINING = """
+import os, signal, sys
+from mpi4py import MPI
+from contactsnes.commands import cli
+
+class World:
+    def __getattr__(self, name):
+        if name == "Split_type" and PROCESSES.rank == 1:
+            os.kill(os.getpid(), signal.SIGTERM)
+        return getattr(PROCESSES, name)
+
+PROCESSES, MPI.COMM_WORLD = MPI.COMM_WORLD, World()
+sys.exit(cli.main(["info", *{words!r}]))"""
+
+
+@together
+def test_a_signal_to_one_process_as_all_find_each_other(tmp_path):
+    """It ended, and the others waited for it for ever."""
+    done = program(2, JOINING.format(words=PLANE), tmp_path)
+    assert done.returncode == 128 + signal.SIGTERM, done
+    assert done.told == ["contactsnes: error: interrupted by SIGTERM (process 2 of 2)"]
+
+
 LATER = """
 import sys, time
 from contactsnes.commands import cli, run
