@@ -217,10 +217,14 @@ def _differences(law, gaps):
 
 
 def _compare(name, gaps, tangent, differences):
-    """InputError where a tangent is not that of the differences, telling of the worst place."""
+    """InputError where a tangent is not that of the differences, telling of the worst place, or
+    where one of them is not finite."""
+    for what, values in (("traction beside", differences), ("tangent at", tangent)):
+        for place in np.flatnonzero(~np.isfinite(values).all(axis=(0, 1)))[:1]:
+            raise InputError(f"the law {name} has no finite {what} {in_words(gaps[:, place])}; "
+                             "mend it")
     size = np.abs(differences).max(axis=(0, 1))
     error = np.abs(tangent - differences) - ALIKE * size - 1e-9
-    error = np.where(np.isfinite(error), error, np.inf)
     if error.max() > 0.0:
         i, j, place = np.unravel_index(np.argmax(error / (size + 1e-9)), error.shape)
         raise InputError(f"the law {name} has a tangent that is not that "

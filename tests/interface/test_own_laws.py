@@ -626,7 +626,24 @@ def holed(self, gap, traction, tangent=None):
     return traction
 
 
+def deep(self, gap, traction, tangent=None):
+    """The same but in deep overlap."""
+    unreturned(self, gap, traction, tangent)
+    traction[0, gap[0] < -20.0] = np.nan
+    return traction
+
+
+def untangent(self, gap, traction, tangent=None):
+    """The same with a tangent that divides by nothing."""
+    unreturned(self, gap, traction, tangent)
+    if tangent is not None:
+        tangent[0, 0, gap[0] < -20.0] = np.inf
+    return traction
+
+
 @pytest.mark.parametrize("evaluate, words", [
+    (deep, "has no finite traction beside the normal gap -31 .ranges.; mend it"),
+    (untangent, "has no finite tangent at the normal gap -31 .ranges.; mend it"),
     (unfilled, "its evaluate returns another array than the traction that it is given, or none"),
     (unreturned, "its evaluate returns another array than the traction that it is given, or none"),
     (holed, "a normal traction or tangent that is not finite at some gap from 0 to 37")])
