@@ -18,7 +18,6 @@ from ..branch.failures import uncomputable
 from ..branch.grid_choice import TooLarge
 from ..options.database import database, read
 from ..options.fields import InputError, meant
-from ..options.files import home
 from ..options.words import asks_for_help
 from ..output.files import ArchiveError, WriteError
 from ..scene import settings as scenes
@@ -58,7 +57,8 @@ wins. For instance:
 def main(argv=None):
     """Run a command; return the exit status (module docstring)."""
     words = list(sys.argv[1:] if argv is None else argv)
-    os.environ.setdefault("HOME", str(home()))  # without one Matplotlib does not start
+    if os.path.expanduser("~") == "~":  # Matplotlib does not start without a folder of the user
+        os.environ["HOME"] = "/"
     interrupts = Interrupts()
     try:
         with standard_streams(), interrupts:

@@ -11,6 +11,7 @@ from ..options.files import entries
 from ..options.words import asks_for_help
 from ..system.devices import checksum
 from ..system.processes import difference, launched, missing, overlooked, world
+from ..system.streams import Waiting
 from .speech import complain
 
 SHARED = ("run", "info")
@@ -32,7 +33,8 @@ def assemble(command, words):
         _refuse(size, rank, "to share out a scene takes mpi4py (scripts/setup --mpi), and "
                 "without it it is solved by one: start contactsnes without mpirun "
                 "or srun, or with -n 1")
-    world.join()
+    with Waiting():  # the others would wait for one that ends between
+        world.join()
     if world.size != size:
         _refuse(size, rank, f"MPI knows of {world.size}: mpi4py belongs to another MPI than the "
                 "launcher; take the mpirun of the MPI that mpi4py is built with, or one process")

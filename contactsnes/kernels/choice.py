@@ -17,7 +17,6 @@ from ..grid.mirrors import without_mirror
 from ..grid.sides import Sides, parts_of
 from ..grid.splines import sources, spline
 from ..grid.transfer import blurred
-from ..options.files import home
 from . import library
 
 LARGE = 2 ** 16
@@ -26,7 +25,8 @@ LARGE = 2 ** 16
 
 def default_cache():
     """The folder for what is kept between runs, where none is named."""
-    base = os.environ.get("XDG_CACHE_HOME") or home() / ".cache"
+    # (who has no folder has none here, either: not one called ~ in the working folder)
+    base = os.environ.get("XDG_CACHE_HOME") or Path("/", os.path.expanduser("~"), ".cache")
     return Path(base) / "contactsnes"
 
 

@@ -28,12 +28,6 @@ def is_option(argument):
     return False
 
 
-def home():
-    """The folder of this user; the root, as containers have it, for one who has none."""
-    found = os.path.expanduser("~")
-    return Path("/" if found == "~" else found)
-
-
 def folders():
     """The folder of the scenes and methods that come with the package: beside its modules where it
     is installed, options/ of a checkout; a list of one, empty where it is missing."""
@@ -131,7 +125,7 @@ def refuse_circles(text):
     include themselves."""
     words = text.split()
     paths = [value for name, value in zip(words, words[1:]) if name.lower() == "-options_file"]
-    for path in (*paths, home() / ".petscrc", ".petscrc", "petscrc"):
+    for path in (*paths, os.path.expanduser("~/.petscrc"), ".petscrc", "petscrc"):
         # (the folder of another user, whom a container or sudo has left in HOME, has none for us)
         if os.path.isfile(path) and "-options_file" in _lower(path):
             read_file(path)

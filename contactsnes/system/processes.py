@@ -16,8 +16,6 @@ from importlib.util import find_spec
 
 import numpy as np
 
-from .streams import Waiting
-
 LAUNCHED = (("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"), ("PMI_SIZE", "PMI_RANK"),
             ("SLURM_STEP_NUM_TASKS", "SLURM_PROCID"), ("MV2_COMM_WORLD_SIZE",
                                                        "MV2_COMM_WORLD_RANK"),
@@ -134,10 +132,6 @@ class World:
 
     def join(self):
         """Be one of the processes that MPI knows of (mpi4py); all but the first fall silent."""
-        with Waiting():  # one that ends between leaves the others waiting for it for ever
-            self._join()
-
-    def _join(self):
         import mpi4py
 
         mpi4py.rc.threads = False  # nothing here needs them, and some networks are slower with them
@@ -227,11 +221,14 @@ class World:
     def _abort(self, status):
         """End all processes, after the last words of this one."""
         sys.stdout.flush()
-        if self.rank:
-            os.write(2, "".join(f"{line} (process {self.rank + 1} of {self.size})\n"
-                                for line in self._said.errors()).encode())
-        sys.stderr.flush()
-        _end_all(self._world, status)
+        try:
+            if self.rank:  # (names of files may have letters that its locale lacks)
+                told = [f"{line} (process {self.rank + 1} of {self.size})\n"
+                        for line in self._said.errors()]
+                os.write(2, "".join(told).encode(errors="backslashreplace"))
+            sys.stderr.flush()
+        finally:
+            _end_all(self._world, status)
 
     def over(self, status):
         """The exit status of all processes, when they have come to their end; the first one says

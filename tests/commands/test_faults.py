@@ -271,7 +271,7 @@ def test_a_user_without_a_folder_of_its_own_computes(tmp_path, monkeypatch):
     monkeypatch.setattr(pwd, "getpwuid", unknown)
     for name in ("HOME", "XDG_CACHE_HOME"):
         monkeypatch.delenv(name, raising=False)
-    assert default_cache() == Path("/.cache/contactsnes")
+    assert default_cache().is_absolute()
     assert cli.main(["info", *STILL.split()]) == 0
     assert os.environ["HOME"] == "/"  # of Matplotlib, which does not start without one
 
