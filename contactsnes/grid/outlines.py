@@ -126,28 +126,63 @@ def _intervals(crossed, part, box, level):
 def _pieces(part, box, level):
     """Straight pieces of the edge of where all fields of a box (fields, x, y) are below a level:
     bicubic within squares of the grid, linear within triangles of their eighths."""
-    _, corners, patches = cut_patches(part.ringed(box), level)
-    corners = np.asarray(corners).T
-    found = [cut for some in pieces(len(patches))
-             for cut in _pieces_within(patches[some], corners[some])]
+    known = part.ringed(box)
+    _, corners, patches = cut_patches(known, level)
+    corners, cut = np.asarray(corners).T, mixed(np.all(known < level, axis=0))
+    found = [piece for some in pieces(len(patches))
+             for piece in _pieces_within(patches[some], corners[some], cut)]
     return _places(part, np.concatenate([np.empty((0, 2, 2)), *found]))
 
 
-def _pieces_within(patches, corners):
-    """Those of some squares, as of `_crossed`, of the triangles of either side.
+def _pieces_within(patches, corners, cut):
+    """Those of some squares, as of `_crossed`, of the triangles of either side, and `_on_sides`.
 
     Parameters
     ----------
     patches : array (squares, surfaces, 4, 4), values less the level around each
     corners : array (squares, 2), the first of each
+    cut : mask of squares that the level cuts, a ring around those of the box with them
     """
     values = refined(patches, PARTS).max(axis=1)
     # most parts of a square have no edge within them
-    cut = np.nonzero(mixed(values < 0.0))
-    first = corners[cut[0]] + np.stack(cut[1:], axis=-1) / PARTS
-    a, b, c, d = ((corner[cut], first + np.array(away) / PARTS) for corner, away in zip(
+    parts = np.nonzero(mixed(values < 0.0))
+    first = corners[parts[0]] + np.stack(parts[1:], axis=-1) / PARTS
+    a, b, c, d = ((corner[parts], first + np.array(away) / PARTS) for corner, away in zip(
         around(values), ((0, 0), (1, 0), (1, 1), (0, 1))))
-    return [_crossed(*zip(*triangle)) for triangle in ((a, b, c), (a, c, d))]
+    return [*(_crossed(*zip(*triangle)) for triangle in ((a, b, c), (a, c, d))),
+            *_on_sides(values, corners, cut)]
+
+
+def _on_sides(values, corners, cut):
+    """Pieces on sides of squares, (pieces, 2, 2), where an edge crosses a side there and back, and
+    the square beyond is not cut: that one is whole, as in `contours.area_below`, and the outline
+    would have a hole, through which moments about far places leak.
+
+    Parameters
+    ----------
+    values : array (squares, PARTS + 1, PARTS + 1) at the corners of their parts, less the level
+    corners, cut : as of `_pieces_within`
+    """
+    up, low, high = np.arange(PARTS + 1), np.zeros(PARTS + 1, int), np.full(PARTS + 1, PARTS)
+    found = []
+    # counter-clockwise
+    for x, y, beyond in ((up, low, (0, -1)), (high, up, (1, 0)), (up[::-1], high, (0, 1)),
+                         (low, up[::-1], (-1, 0))):
+        own = np.flatnonzero(~cut[tuple((corners + 1 + beyond).T)])
+        places = corners[own, None] + np.stack([x, y], axis=-1) / PARTS
+        along = values[own[:, None], x, y]
+        sign = np.where(along[:, :1] < 0.0, -1.0, 1.0)  # of all the square beyond
+        before, after = (sign * along)[:, :-1], (sign * along)[:, 1:]
+        on = np.nonzero((before < 0.0) | (after < 0.0))
+        before, after = before[on], after[on]
+        start, run = places[:, :-1][on], np.diff(places, axis=1)[on]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            crossing = before / (before - after)
+        part = np.stack([np.where(before < 0.0, 0.0, crossing),
+                         np.where(after < 0.0, 1.0, crossing)], axis=1)
+        ends = start[:, None] + part[..., None] * run[:, None]
+        found.append(np.where(sign[on[0], :, None] > 0.0, ends, ends[:, ::-1]))
+    return found
 
 
 def _crossed(values, places):

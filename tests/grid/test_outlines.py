@@ -61,6 +61,23 @@ def test_a_few_squares_at_a_time_are_all_of_them(monkeypatch):
     assert grid.whole.area_below(values, 0.3) == pytest.approx(area, rel=1e-12)
 
 
+@pytest.mark.parametrize("fields", [1, 2])
+def test_an_outline_is_closed(fields):
+    """Where it bulges into a square none of whose corners it parts, too: through a hole of 0.1
+    beside a far spot a centroid is off by the spot's distance times that."""
+    grid = Grid((24, 40), (5.0, 3.0))
+    values = np.random.default_rng(fields).normal(size=(fields, *grid.shape))
+    box = Window(grid, (3, 5), (17, 30))
+    for window in (grid.whole, box):
+        part = window.take(values)
+        part[..., window.rim()] = 1.0
+        ends = outline(window, part, 0.3).ends
+        begin, end = (np.sort(np.round(places / grid.periods % 1.0, 6) @ [1.0, math.pi])
+                      for places in np.moveaxis(ends, 1, 0))
+        np.testing.assert_allclose(begin, end, rtol=0.0, atol=1e-9)
+        np.testing.assert_allclose(np.diff(ends, axis=1).sum(axis=0), 0.0, atol=1e-9)
+
+
 def test_several_boxes_are_one_outline():
     grid = Grid((64, 64), (8.0, 8.0))
     x, y = grid.coordinates()
