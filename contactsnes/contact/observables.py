@@ -58,7 +58,8 @@ def frame(contact):
 
 def compliance(contact):
     """(circle, blocks) of the body's compliance in the units of the fields: points of the circle of
-    the widest window, and (i, j) -> half spectrum; of several processes they are parted."""
+    the widest window, and (i, j) -> half spectrum; of several processes they are parted. Where no
+    leg has tangential unknowns nothing answers along the flat, whatever the body would."""
     scene, window = contact.scene, contact.widest
     ends = "n" + "t" * scene.dimension
     factor = {(i, j): scene.scale(f"u_{one},r")[0] / contact.ranges[i]
@@ -68,7 +69,8 @@ def compliance(contact):
     return window.circle(), {
         key: contact.grid.parted(operator.on_window(key, window), -1,
                                  lambda block, factor=factor[key]: factor * block)
-        for key in operator.blocks}
+        for key in operator.blocks
+        if scene.tangential != "off" or (key[0] > 0) == (key[1] > 0)}
 
 
 @lru_cache(maxsize=4)

@@ -69,7 +69,9 @@ def written(folder, scene, path, *kinds, load_start=None, steps=Steps()):
      None),
     ({**PLANE, "tangential_maugis": 2.0, "poisson": 0.3},
      "normal_displacement=1; tangential_displacement_y=2", None),
-], ids=["line", "coupled line", "isolated", "plane", "sheared plane", "coupled plane"])
+    ({**LINE, "poisson": 0.2, "tangential": "off"}, "normal_force=1", None),
+], ids=["line", "coupled line", "isolated", "plane", "sheared plane", "coupled plane",
+        "coupled line that is held along the flat"])
 def test_the_cell_is_rebuilt(tmp_path, scene, path, start):
     if scene["period"] == np.inf:
         scene = {name: value for name, value in scene.items() if name != "points"}
