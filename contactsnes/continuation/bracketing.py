@@ -181,7 +181,22 @@ class BracketingSteps(NaturalSteps):
         moving = self.leg.moving
         width = abs(step * self.leg.direction[moving]) / max(abs(last.load[moving]), 1e-3)
         return replace(last, leg=self.leg.number, event="fold", fold_kind=fold_kind(self.leg),
-                       fold_precision=float(width), step=step, origin=self.leg.start)
+                       fold_precision=float(width), step=step, origin=self.leg.start,
+                       **self._let_go(last))
+
+    def _let_go(self, last):
+        """How a fold where the leg begins, whose controls do not hold what others held, is marked
+        as unstable; told."""
+        if last.leg == self.leg.number or last.event == "fold":
+            return {}
+        count = self.system.examiner or self.certify
+        modes = count(replace(last, event=None, tangents=())).unstable_modes
+        if modes <= 0:
+            return {}
+        self.system.log(f"leg {self.leg.number} begins at an equilibrium that is unstable under "
+                        f"its controls (modes: {modes}), at {self._place(self.history[-1][0])}: "
+                        "what is marked as a fold is where the body leaves it, no limit point")
+        return {"stable": 0, "unstable_modes": modes}
 
     def _look_ahead(self, error, step):
         """Yield what stops the steps; where that is not found, or motion finds no way out of it,

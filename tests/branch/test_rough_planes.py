@@ -438,7 +438,34 @@ def test_a_force_that_begins_where_it_does_not_hold_the_body_leads_away_from_the
         assert (fold.event, jump.event) == ("fold", "jump")
         assert jump.displacements[0] > first.displacements[0] + 0.01
         assert points[-1].forces[0] == force
-    assert all(point.stable != 0 for point in points)
+    assert all(point.stable != 0 for point in points if point.event != "fold")
+
+
+@pytest.mark.parametrize("stability", ["off", "sign"])
+def test_where_a_leg_begins_unstable_under_its_force_is_no_limit_point(stability, tmp_path):
+    """Between what a force and what a displacement holds: the body leaves where the force takes
+    over, of which displacements nearby tell that it falls as the body comes near."""
+    x = 2 * np.pi * np.arange(16) / 16
+    np.save(tmp_path / "heights.npy", -3.0 * np.add.outer(np.cos(x - 0.3), 0.7 * np.cos(x)
+                                                          + 0.2 * np.sin(2 * x)))
+    plane = Scene(dimension=2, points=16, period=10.0, normal_maugis=1.0, geometry="file",
+                  geometry_file=str(tmp_path / "heights.npy"))
+
+    def points(path, said=None):
+        branch = Branch(plane, Load("normal_displacement=-2", path),
+                        Steps(stability=stability), Form(form="force"),
+                        log=(said if said is not None else []).append)
+        return list(branch)
+
+    held = points("normal_displacement=-1.9")
+    assert held[-1].forces[0] < held[0].forces[0] - 0.1 and held[0].stable != 0
+    said = []
+    first, fold, jump, *others = points("normal_force=2", said)
+    assert (fold.event, fold.stable, fold.unstable_modes) == ("fold", 0, 1)
+    assert fold.forces == first.forces
+    assert jump.event == "jump" and jump.displacements[0] > first.displacements[0] + 1.0
+    assert [sentence for sentence in said if "no limit point" in sentence]
+    assert all(point.stable != 0 for point in (jump, *others))
 
 
 def test_predictions_on_steep_planes_do_not_follow_edges_astray(monkeypatch):
