@@ -71,7 +71,8 @@ def examined(system, certify, leg, last, point):
     if last[1].stable < 0 <= point.stable:
         last = last[0], certify(last[1])
     if system.examiner and point.stable < 0 and point.softest < 0.0 and not last[1].softest < 0.0:
-        _doubt(system, leg, last, point)
+        if not _doubt(system, leg, last, point):
+            point = point.changed(softest=0.0)  # the next point is asked, too
     return point, between(system, certify, leg, last, (point.position, point))
 
 
@@ -134,8 +135,8 @@ def crossed(system, certify, first, last):
 
 
 def _doubt(system, leg, last, point):
-    """Say where a branch loses its stability that is not certified; NotConverged where a point is
-    another branch's."""
+    """How many modes of a point are unstable; say where a branch loses its stability that is not
+    certified; NotConverged where the point is another branch's."""
     def place(position):
         return system.told(leg.controls, leg.load(position))
 
@@ -147,15 +148,14 @@ def _doubt(system, leg, last, point):
     change = after.unstable_modes - before.unstable_modes
     passed = between(system, system.examiner, leg, (last[0], before), (point.position, after))
     if min(before.unstable_modes, after.unstable_modes) == 0 and change % 2 == 0 and change:
-        system.log(f"{abs(change)} modes of the branch change their sign "
-                   f"between {place(last[0])} and {place(point.position)}: "
-                   "-continuation_stability certifies its points")
-        return
+        system.log(f"{abs(change)} modes of the branch change their sign between {place(last[0])} "
+                   f"and {place(point.position)}: -continuation_stability certifies its points")
+        passed = []
     for critical in passed:
         system.log(f"a bifurcation at {place(critical.position)} is passed, and "
                    "points beyond are not stable: -continuation_stability "
-                   "certifies them, -continuation_at_bifurcation follow goes "
-                   "on beside")
+                   "certifies them, -continuation_at_bifurcation follow goes on beside")
+    return after.unstable_modes
 
 
 def between(system, stability, leg, before, after):

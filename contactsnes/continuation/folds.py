@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from .leaps import leapt
 from .limit_points import FOLD_TOLERANCE, LimitPoint
 from .load_steps import SHARE
 from .points import NoFold, NotConverged, lagrange_weights
@@ -25,6 +26,7 @@ AHEAD = 0.01
 plateau."""
 
 LOST = "following the branch by arc length failed too, so that no fold was located"
+HIDDEN, ACROSS = "the fold there was not located", "steps of arc length led across a jump"
 IN_PLACE = 2
 """Failures in turn, each in a step a quarter as long, after which edges of contact are not followed
 any more: of a spot that is just born they run away from it, and however short a step is, they lead
@@ -70,10 +72,12 @@ class FoldSearch:
             try:
                 point = self._ahead(trail, length, failures)
             except NotConverged as second:
-                length = self._shorter(length, first, f"{error}; {LOST}: {second}")
-                failures += 1
+                failures, length = failures + 1, self._shorter(length, first, error, LOST, second)
                 continue
             failures, trail = 0, [*trail[-self.behind:], (point.position, point)]
+            if leap := leapt(self.system, self.leg, trail):
+                trail, length = trail[:-2], self._shorter(leap, first, error, ACROSS)
+                continue
             slope = self._slopes(trail[-3:])[1]
             steady = slope[2] > STEADY * slope[1]
             if slope[2] <= 0.0:
@@ -81,9 +85,7 @@ class FoldSearch:
                     fold, beyond, trail = self._locate(trail)
                 except NotConverged as second:
                     # Between points that are nearer to it a search succeeds.
-                    length = self._shorter(length, first, f"{error}; the fold there was not "
-                                           f"located: {second}")
-                    trail.pop()
+                    trail, length = trail[:-1], self._shorter(length, first, error, HIDDEN, second)
                     continue
                 if fold is not None and fold.position <= 1.0:
                     return fold, beyond, None
@@ -98,10 +100,10 @@ class FoldSearch:
         return None, None, self._natural(trail, min(trail[-1][0], 1.0))
 
     @staticmethod
-    def _shorter(length, first, sentence):
-        """A quarter of a step; NoFold, with a sentence, where that is next to nothing."""
+    def _shorter(length, first, *reasons):
+        """A quarter of a step; NoFold, with what led to it, where that is next to nothing."""
         if 0.25 * length < 1e-4 * first:
-            raise NoFold(sentence) from None
+            raise NoFold("; ".join(map(str, reasons))) from None
         return 0.25 * length
 
     def _short_of(self, refused, trail):

@@ -192,8 +192,18 @@ def test_a_fold_is_found_from_the_unstable_side_of_a_branch_too(stable):
     assert {point.unstable_modes - (stable < 0.0) for point in points[1:-1]} == {1}
 
 
-def test_an_exact_bifurcation_that_a_solve_sees_is_passed_and_told_of():
-    system = Seeing(pitchfork())
+class Early(Seeing):
+    """The same with solves that tell of a mode before it is unstable, as few iterations may."""
+
+    def solve(self, guess, controls, load):
+        point = super().solve(guess, controls, load)
+        return point.changed(softest=point.softest - 0.2)
+
+
+@pytest.mark.parametrize("kind", [Seeing, Early])
+def test_an_exact_bifurcation_that_a_solve_sees_is_passed_and_told_of(kind):
+    """One that solves told of too early, before a count of modes found it, is looked for again."""
+    system = kind(pitchfork())
     points, error = followed(path(system, (0.0, 1.0), (0.0, 0.0)))
     assert error is None and events(points) == [] and points[-1].position == 1.0
     told = [sentence for sentence in system.sentences if "points beyond are not stable" in sentence]

@@ -14,6 +14,7 @@ from contactsnes.continuation import departures
 from contactsnes.continuation.arclength import ArcLengthSteps
 from contactsnes.continuation.events import with_events
 from contactsnes.continuation.folds import FoldSearch
+from contactsnes.continuation.leaps import leapt
 from contactsnes.continuation.limit_points import FOLD_TOLERANCE, LimitPoint
 from contactsnes.continuation.load_steps import predict
 from contactsnes.continuation.natural import (
@@ -870,6 +871,39 @@ def test_a_search_for_a_fold_stays_on_its_branch(states, end, softest, sentence)
     trail = system.points(*states)
     found = followed(FoldSearch(system, UNIT_LEG, trail)._ahead(trail, 0.2) for _ in range(1))[1]
     assert sentence in str(found) if sentence else found is None
+
+
+def places_on(linear, *unknowns):
+    """A system with the load u^3 + linear u, a leg of its loads from -10 to 10, and (position,
+    point) at some u."""
+    system = System(curve(lambda u: u ** 3 + linear * u, lambda u: 3 * u ** 2 + linear))
+    leg = Leg(1, ("displacement",), np.array([-10.0]), np.array([10.0]), 0, 0.025, 0.05, 1e-6)
+    places = [0.05 * (u ** 3 + linear * u + 10.0) for u in unknowns]
+    return system, leg, [(place, replace(system._point(np.array([u]), leg.load(place), 3),
+                                         position=place)) for u, place in zip(unknowns, places)]
+
+
+@pytest.mark.parametrize("linear, unknowns, length", [
+    (-1.0, (-0.9, -0.7, 1.2, 1.25), 1.9),  # over the fold at -0.577
+    (-1.0, (-0.9, -0.7, -0.6, -0.59), 0.0),
+    (0.01, (-0.6, -0.5, 1.0, 1.01), 0.0),  # a steep place, beyond which it is slow, too
+    (-1.0, (-0.7, 1.2, 1.25), 0.0)])  # two points have to stay
+def test_a_step_across_a_jump_is_seen_by_how_slow_the_next_one_is(linear, unknowns, length):
+    system, leg, trail = places_on(linear, *unknowns)
+    assert leapt(system, leg, trail) == pytest.approx(length)
+
+
+def test_a_search_for_a_fold_goes_back_before_the_jump_that_it_led_across():
+    system, leg, (*before, beyond, further) = places_on(-1.0, -0.61, -0.6, 1.2, 1.25)
+
+    class Across(FoldSearch):
+        led = [beyond[1], further[1]]
+
+        def _ahead(self, trail, length, failures=0):
+            return self.led.pop(0) if self.led else super()._ahead(trail, min(length, 0.05))
+
+    fold, _, passed = Across(system, leg, before).search(NotConverged("a step"))
+    assert passed is None and fold.state[0] == pytest.approx(-3 ** -0.5, abs=1e-6)
 
 
 @pytest.mark.parametrize("here, length", [(0.0, 0.2), (0.01, 0.2), (0.8, 0.1)])
