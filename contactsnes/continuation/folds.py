@@ -74,8 +74,9 @@ class FoldSearch:
             except NotConverged as second:
                 failures, length = failures + 1, self._shorter(length, first, error, LOST, second)
                 continue
-            failures, trail = 0, [*trail[-self.behind:], (point.position, point)]
-            if leap := leapt(self.system, self.leg, trail):
+            trail = [*trail[-self.behind:], (point.position, point)]
+            leap, failures = leapt(self.system, self.leg, trail, failures), 0
+            if leap:
                 trail, length = trail[:-2], self._shorter(leap, first, error, ACROSS)
                 continue
             slope = self._slopes(trail[-3:])[1]
@@ -90,8 +91,7 @@ class FoldSearch:
                 if fold is not None and fold.position <= 1.0:
                     return fold, beyond, None
                 length *= 2.0
-            place = trail[-1][0]
-            if place >= end or (steady and place > begin + self.initial):
+            if (place := trail[-1][0]) >= end or (steady and place > begin + self.initial):
                 return None, None, self._natural(trail, min(place, end))
             if steady and point.spent["last_iterations"] <= 6:
                 length *= min(1.7, self.largest / max(place - trail[-2][0], 1e-300))

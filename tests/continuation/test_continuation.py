@@ -873,28 +873,36 @@ def test_a_search_for_a_fold_stays_on_its_branch(states, end, softest, sentence)
     assert sentence in str(found) if sentence else found is None
 
 
-def places_on(linear, *unknowns):
-    """A system with the load u^3 + linear u, a leg of its loads from -10 to 10, and (position,
+FOLDED = lambda u: u ** 3 - u, lambda u: 3 * u ** 2 - 1
+STEEP = lambda u: u ** 3 + 0.01 * u, lambda u: 3 * u ** 2 + 0.01
+WAVY = lambda u: u + 2 * np.sin(u), lambda u: 1 + 2 * np.cos(u)
+
+
+def places_on(loads, *unknowns):
+    """A system with a load(u) and its slope, a leg of its loads from -10 to 10, and (position,
     point) at some u."""
-    system = System(curve(lambda u: u ** 3 + linear * u, lambda u: 3 * u ** 2 + linear))
+    system = System(curve(*loads))
     leg = Leg(1, ("displacement",), np.array([-10.0]), np.array([10.0]), 0, 0.025, 0.05, 1e-6)
-    places = [0.05 * (u ** 3 + linear * u + 10.0) for u in unknowns]
+    places = [0.05 * (loads[0](u) + 10.0) for u in unknowns]
     return system, leg, [(place, replace(system._point(np.array([u]), leg.load(place), 3),
                                          position=place)) for u, place in zip(unknowns, places)]
 
 
-@pytest.mark.parametrize("linear, unknowns, length", [
-    (-1.0, (-0.9, -0.7, 1.2, 1.25), 1.9),  # over the fold at -0.577
-    (-1.0, (-0.9, -0.7, -0.6, -0.59), 0.0),
-    (0.01, (-0.6, -0.5, 1.0, 1.01), 0.0),  # a steep place, beyond which it is slow, too
-    (-1.0, (-0.7, 1.2, 1.25), 0.0)])  # two points have to stay
-def test_a_step_across_a_jump_is_seen_by_how_slow_the_next_one_is(linear, unknowns, length):
-    system, leg, trail = places_on(linear, *unknowns)
-    assert leapt(system, leg, trail) == pytest.approx(length)
+@pytest.mark.parametrize("loads, unknowns, failures, length", [
+    (FOLDED, (-0.9, -0.7, 1.2, 1.25), 0, 1.9),  # over the fold at -0.577
+    (FOLDED, (-0.9, -0.7, -0.6, -0.59), 2, 0.0),
+    (WAVY, (1.5, 1.9, 6.4, 8.0), 1, 4.5),  # over that at 2.09, and on nearly as fast
+    (WAVY, (1.5, 1.9, 6.4, 8.0), 0, 0.0),
+    (STEEP, (-0.6, -0.5, 1.0, 1.01), 2, 0.0),  # no fold
+    (FOLDED, (-0.7, 1.2, 1.25), 0, 0.0)])  # two points have to stay
+def test_a_step_across_a_jump_is_seen_by_what_follows_it(loads, unknowns, failures, length):
+    """By how slow that is or, after failures, by whether the branch leads back."""
+    system, leg, trail = places_on(loads, *unknowns)
+    assert leapt(system, leg, trail, failures) == pytest.approx(length)
 
 
 def test_a_search_for_a_fold_goes_back_before_the_jump_that_it_led_across():
-    system, leg, (*before, beyond, further) = places_on(-1.0, -0.61, -0.6, 1.2, 1.25)
+    system, leg, (*before, beyond, further) = places_on(FOLDED, -0.61, -0.6, 1.2, 1.25)
 
     class Across(FoldSearch):
         led = [beyond[1], further[1]]
