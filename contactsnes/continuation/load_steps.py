@@ -125,9 +125,8 @@ class LoadSteps:
                  else self._strayed(guess, target, point))
         if not aside and (len(self.history) < 3 or missed > SURE * moved):
             aside = self._leapt(target, point)
-        if not aside and moved > max(HURRIED, FAST * self._expected(target)):
-            aside = self._hurried(target, point, missed > SHARE * moved
-                                  and moved > FASTER * self._expected(target))
+        if not aside and moved > HURRIED and moved > FAST * (usual := self._expected(target)):
+            aside = self._hurried(target, point, missed > SHARE * moved and moved > FASTER * usual)
         if aside:
             raise NotConverged(f"{aside}, perhaps on another branch")
         return point.changed(leg=self.leg.number, position=target)

@@ -55,8 +55,8 @@ def test_memory_that_lacks_in_some_processes(ranks, letter, tmp_path):
     done = failed(2, ranks, f"MemoryError('1 TB{letter}')", tmp_path, fresh=ranks == (1,))
     assert done.returncode == 1, done
     assert len(done.told) == 1 and "Traceback" not in done.stderr, done
-    assert all(words in done.told[0] for words in ("not enough memory (1 TB", "3 points are in",
-                                                   "-archive_resume"))
+    assert all(words in done.told[0] for words in (f"not enough memory (1 TB{letter})",
+                                                   "3 points are in", "-archive_resume"))
     assert ("process 2 of 2" in done.told[0]) == (ranks == (1,))
     assert read(tmp_path / "run.h5").points == 3
 
