@@ -22,7 +22,7 @@ from ..scene import settings as scenes
 from ..scene.load import controls_along, names, quantities
 from ..scene.parts import for_branch, sources
 from ..scene.resolution import PINNING, resolution
-from ..solvers.capabilities import asked, has_modes
+from ..solvers.capabilities import asked, has_modes, refuse_build
 from ..solvers.registry import OPTIONS
 from . import failures, first_points, kept_points, restarting
 from .contacts import contact_of, refuse_unlike
@@ -58,12 +58,14 @@ class Branch:
     Raises
     ------
     InputError : at once, where load and scene do not fit, the history does not lie on the path,
-        or PETSc's database holds a name under our prefixes that is none
+        PETSc's database holds a name under our prefixes that is none, or PETSc is too old or has
+        other numbers than real ones in double precision
     NotConverged, NoEquilibrium : while iterating, after all points before the failure
     """
 
     def __init__(self, scene, load, steps=None, form=None, log=lambda sentence: None, history=(),
                  law=None, geometry=None, body=None, first=None):
+        refuse_build()
         self.steps, form = scenes.of_run(scene, load, steps, form)
         check_names(SOLVER_OPTIONS)
         check_values(SOLVER_OPTIONS)

@@ -241,6 +241,10 @@ typedef struct { /* what steps are judged by, as contactsnes/contact/acceptance.
     double places[PLACES], shares[PLACES];
 } Limits;
 
+/* PETSc's integers are of four bytes or, as it may be built, of eight. Asked for as eight that were zero, those
+   that are not negative are read rightly as either (Python loads the library on little-endian processors only). */
+typedef long long PetscCount;
+
 struct Libraries {
     void (*execute)(void *), (*execute_single)(void *), (*execute_rows)(void *, void *, void *);
     void (*execute_rows_single)(void *, void *, void *);
@@ -251,10 +255,10 @@ struct Libraries {
     int (*get)(void *, double **), (*put)(void *, double **);
     int (*mat_context)(void *, void *), (*pc_context)(void *, void *);
     int (*assembly_begin)(void *, int), (*assembly_end)(void *, int);
-    int (*get_ksp)(void *, void **), (*iterations)(void *, int *);
-    int (*eigenvalues)(void *, int, double *, double *, int *);
+    int (*get_ksp)(void *, void **), (*iterations)(void *, PetscCount *);
+    int (*eigenvalues)(void *, PetscCount, double *, double *, PetscCount *);
     int (*print)(void *, const char *, ...);
-    int (*tolerances)(void *, double *, double *, double *, int *);
+    int (*tolerances)(void *, double *, double *, double *, PetscCount *);
     int (*right_side)(void *, void **), (*norm)(void *, int, double *);
 };
 

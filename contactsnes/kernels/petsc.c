@@ -30,7 +30,8 @@ int choose(System *s, int begins)
 {
     double relative, absolute, other, size;
     void *right;
-    int count = 0, status;
+    PetscCount count = 0, most = 0;
+    int status;
     if (!s->chooses) {
         s->form->single = 0; /* which other solves of the form may have left */
         return 0;
@@ -43,7 +44,7 @@ int choose(System *s, int begins)
         }
         return 0;
     }
-    if ((status = libraries.tolerances(s->ksp, &relative, &absolute, &other, &count))) return status;
+    if ((status = libraries.tolerances(s->ksp, &relative, &absolute, &other, &most))) return status;
     if ((status = libraries.right_side(s->ksp, &right))) return status;
     s->form->single = 0;
     if (!right) return 0; /* no solve */
@@ -151,12 +152,14 @@ int pre_check(void *search, void *x, void *y, unsigned char *changed, void *syst
     return status;
 }
 
-/* Keeps the smallest real part of the Ritz values of the last two linear solves that tell. */
+/* Keeps the smallest real part of the Ritz values of the last two linear solves that tell; of `iteration`, whose
+   upper half some builds of PETSc have, it has to be known only whether it is the first. */
 int monitor_modes(void *snes, int iteration, double norm, void *system)
 {
     System *s = system;
     void *ksp;
-    int count = 0, found = 0, status = libraries.get_ksp(snes, &ksp);
+    PetscCount count = 0, found = 0;
+    int status = libraries.get_ksp(snes, &ksp);
     (void)norm;
     if (iteration == 0) s->told = 0;
     if (status || iteration == 0 || (status = libraries.iterations(ksp, &count)) || count < 1)
@@ -166,7 +169,7 @@ int monitor_modes(void *snes, int iteration, double norm, void *system)
     status = libraries.eigenvalues(ksp, count, values, values + count, &found);
     if (!status && found >= 3) {
         double least = values[0];
-        for (int k = 1; k < found; k++) least = values[k] < least ? values[k] : least;
+        for (PetscCount k = 1; k < found; k++) least = values[k] < least ? values[k] : least;
         s->smallest[s->told++ % 2] = least;
     }
     free(values);

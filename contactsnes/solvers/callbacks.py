@@ -52,8 +52,7 @@ def connected():
             setattr(pointers, member, library.pointer(petsc, name))
     except library.Unavailable:
         return None
-    # the monitor reads PETSc's integers
-    return (compiled, petsc) if np.dtype(PETSc.IntType).itemsize == 4 else None
+    return compiled, petsc
 
 
 def available(form):

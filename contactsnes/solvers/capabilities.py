@@ -1,5 +1,5 @@
 """What a type of SNES can do, the one home of all that depends on which method solves, and what is
-asked of it.
+asked of it; and which PETSc will do.
 
 PETSc's own types are in `TYPES`; a Python type says it by a class attribute ``capabilities``, an
 own one of a user's, or PETSc's shell, which say nothing, are taken to be able of nothing. Methods
@@ -11,8 +11,14 @@ from functools import cache
 from importlib import import_module
 from typing import NamedTuple
 
+import numpy as np
+
 from ..contact.balance import TOLERANCE
 from ..contact.force_form import FORMS
+from ..options.fields import InputError
+
+OLDEST = 3, 18
+"""Version of PETSc that is needed at least."""
 
 
 class Capabilities(NamedTuple):
@@ -51,6 +57,22 @@ TYPES = {"fas": Capabilities("multigrid", one_window=True), "qn": Capabilities("
 
 UNKNOWN = Capabilities(forcing=True)
 """A Python type that says nothing: it may have linear systems of its own."""
+
+
+def refuse_build():
+    """InputError for a PETSc that is too old, or calculates with other numbers than ours."""
+    import petsc4py
+    from petsc4py import PETSc
+
+    numbers, version = np.dtype(PETSc.ScalarType), PETSc.Sys.getVersion()
+    if numbers != np.float64:
+        found = f"calculates with numbers of type {numbers}; float64 is needed, its default"
+    elif version < OLDEST:
+        found = "is version {}.{}.{}; {}.{} or newer is needed".format(*version, *OLDEST)
+    else:
+        return
+    raise InputError(f"PETSc of {petsc4py.get_config()['PETSC_DIR']} {found}: take another one by "
+                     "PETSC_DIR and PETSC_ARCH, with its petsc4py, or that of scripts/setup")
 
 
 @cache

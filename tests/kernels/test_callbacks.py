@@ -1,5 +1,6 @@
 """Solves by the library's callbacks: they do not enter Python, and do what Python's do."""
 
+import ctypes
 import sys
 
 import numpy as np
@@ -118,3 +119,43 @@ def test_what_python_raises_in_a_solve_is_raised(monkeypatch):
 def test_kernels_are_left_out_where_they_are_not_wanted():
     form = form_of(kernels=chosen(False))
     assert form.kernel is None and callbacks.of(create_snes(form)) is None
+
+
+@pytest.mark.parametrize("integer", [ctypes.c_int32, ctypes.c_int64])
+def test_integers_of_either_width(monkeypatch, integer):
+    """PETSc's may be built with 64 bits: what it writes in place of the library's own."""
+    compiled, _ = callbacks.connected()
+    pointers, whole = library.pointers(compiled), ctypes.POINTER(integer)
+
+    @ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, whole)
+    def iterations(ksp, count):
+        count[0] = 40
+        return 0
+
+    @ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.POINTER(ctypes.c_void_p))
+    def get_ksp(snes, ksp):
+        ksp[0] = 1
+        return 0
+
+    @ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, integer, ctypes.POINTER(ctypes.c_double),
+                      ctypes.POINTER(ctypes.c_double), whole)
+    def eigenvalues(ksp, room, real, imaginary, found):
+        for place, value in enumerate((3.0, -0.5, 2.0, -7.0)):
+            real[place] = value
+        found[0] = 3 if room == 40 else 0
+        return 0
+
+    for name, function in (("iterations", iterations), ("get_ksp", get_ksp),
+                           ("eigenvalues", eigenvalues)):
+        monkeypatch.setattr(pointers, name, ctypes.cast(function, ctypes.c_void_p).value)
+    form = form_of()
+    own = callbacks.of(create_snes(form)).structure
+    own.ksp, own.chooses, own.patience = 1, 1, 30
+    own.form.contents.single = 1
+    assert compiled.choose(ctypes.addressof(own), 0) == 0
+    assert own.form.contents.single == 0 and own.turned == 1
+    monitor = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_int, ctypes.c_double,
+                               ctypes.c_void_p)(("monitor_modes", compiled))
+    for iteration in (0, 1):
+        assert monitor(None, iteration, 1.0, ctypes.addressof(own)) == 0
+    assert own.told == 1 and own.smallest[0] == -0.5

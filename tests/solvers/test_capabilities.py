@@ -5,7 +5,9 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
+import numpy as np
 import petsc4py
 import pytest
 
@@ -13,10 +15,13 @@ petsc4py.init([])
 
 from petsc4py import PETSc  # noqa: E402
 
+from contactsnes.branch.branch import Branch  # noqa: E402
 from contactsnes.contact.even_form import EvenForm  # noqa: E402
 from contactsnes.contact.force_form import FORMS, ForceForm  # noqa: E402
 from contactsnes.contact.forms import DisplacementForm  # noqa: E402
-from contactsnes.scene.settings import Form  # noqa: E402
+from contactsnes.options.fields import InputError  # noqa: E402
+from contactsnes.scene.load import Load  # noqa: E402
+from contactsnes.scene.settings import Form, Scene  # noqa: E402
 from contactsnes.solvers import capabilities  # noqa: E402
 from contactsnes.solvers.registry import OPTIONS  # noqa: E402
 
@@ -25,6 +30,18 @@ ROOT = Path(__file__).resolve().parents[2]
 TINY = ["-scene_points", "64", "-scene_period", "20", "-scene_normal_maugis", "1", "-load_path",
         "normal_displacement=0.5", "-continuation_initial_step", "0.25",
         "-continuation_largest_step", "0.25"]
+
+
+@pytest.mark.parametrize("name, other, told", [
+    ("ScalarType", np.complex128, "type complex128; float64 is needed"),
+    ("ScalarType", np.float32, "type float32; float64 is needed"),
+    ("Sys", SimpleNamespace(getVersion=lambda: (3, 17, 5)), "version 3.17.5; 3.18 or newer"),
+])
+def test_another_petsc_is_refused(monkeypatch, name, other, told):
+    """Before anything is solved, with what to do."""
+    monkeypatch.setattr(PETSc, name, other)
+    with pytest.raises(InputError, match=f"{told}.*PETSC_DIR and PETSC_ARCH"):
+        Branch(Scene(points=64), Load(path="normal_displacement=0.5"))
 
 
 @pytest.mark.parametrize("kind, tangent", [("newtonls", True), ("newtontr", True), ("fas", False),
