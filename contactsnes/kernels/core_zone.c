@@ -359,7 +359,7 @@ static int find_core(Zone *z, long i)
     return 1;
 }
 
-static long rounded(double extent) /* up to a sixteenth of its power of two */
+static long rounded_up(double extent) /* up to a sixteenth of its power of two */
 {
     long unit = 1;
     while (extent >= 32.0 * unit) unit *= 2;
@@ -388,7 +388,7 @@ static int find_circle(Zone *z, long i)
     find_patches(z, b, i);
     for (int axis = 0; axis < 2; axis++) {
         const long extent = b->extent[axis] + b->before[axis];
-        asked[axis] = rounded(z->pad * (both[axis] ? extent / 2 + 1 : extent)); /* points from an axis outwards */
+        asked[axis] = rounded_up(z->pad * (both[axis] ? extent / 2 + 1 : extent)); /* points from an axis outwards */
     }
     const long first = asked[0], second = asked[1], apart = b->apart ? b->apart : 1;
     for (int turn = 0; turn < 2; turn++) {
