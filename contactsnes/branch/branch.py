@@ -78,8 +78,8 @@ class Branch:
         self.contact = contact_of(scene, load, form, log)
         grid = self.contact.grid
         self._checksum = resuming.checksum(grid, shapes.of(scene).heights(scene, grid))
-        self._sheared = scenes.tangential_legs(scene, load)
-        refuse(self.contact, self._sheared, scenes.loaded_legs(scene, load), form, self.method)
+        self._sheared, loaded = scenes.tangential_legs(scene, load), scenes.loaded_legs(scene, load)
+        refuse(self.contact, self._sheared, loaded, form, self.method)
         refuse_without_tangent(self.steps.stability, form)
         steppers.refuse(self.steps, self.method)
         self.corrector = Tracer(self.contact, form, log)
@@ -87,8 +87,11 @@ class Branch:
                                    self.steps.stability) if self.steps.stability != "off" else None
         self.corrector.certified = self.stability is not None
         # Branches of grids that pin bend at every node, and are marked as not resolved.
-        if max(resolution(self.contact.scene, any(self._sheared))) <= PINNING:
-            self.corrector.examiner = Stability(self.corrector, SIGN, told=True)
+        examiner = Stability(self.corrector, SIGN, told=True)
+        self._examiners = [
+            examiner if max(resolution(self.contact.scene, bool(tangential))) <= PINNING else None
+            for tangential in loaded]
+        self.corrector.examiner = self._examiners[0]
         self._resting = FORCE if scene.isolated else DISPLACEMENT
         self.legs = scene.legs(load)
         self._controls = controls_along(scene.initial(load), self.legs)
@@ -261,6 +264,7 @@ class Branch:
         count = self.scene.components if self._sheared[number] else 1
         leg = self._leg_to(number, self.legs[number - 1].controls, count, points,
                            lambda length: self.steps.sizes(number, length))
+        self.corrector.examiner = self._examiners[number]
         if leg is not None:
             remarks.begun(leg)
         return leg

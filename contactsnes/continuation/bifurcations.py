@@ -30,19 +30,6 @@ followed to zero: two at once may be a fold that was passed."""
 PARTED = 0.01
 """Part of a step by which states are apart on either side of a place if they lie on two
 branches."""
-SOFT = 0.05
-LONG = 0.3
-PROBES = 2
-"""Softest Ritz value at the rate of the last step, and way in ranges of the law, from which on a
-step is asked in between, and how often: a mode that softens so fast may be unstable there."""
-LESS = 0.75
-"""Part of its value below which the softest mode has to come by the end of the step at that rate:
-one that is as soft all along a path, as of a sharp law it is, does not lose its stability."""
-SHORT = 0.05
-SOFTER = 0.7
-BACK = 0.5
-"""Way, and part of the softest value at its begin, from which on the tangent at its end is asked,
-and what part of the way that has to lead back."""
 
 
 class Apart(NotConverged):
@@ -70,52 +57,21 @@ def examined(system, certify, leg, last, point):
         point = point.changed(softest=last[1].softest)
     if last[1].stable < 0 <= point.stable:
         last = last[0], certify(last[1])
+    point = _counted(certify, last[1], point)
     if system.examiner and point.stable < 0 and point.softest < 0.0 and not last[1].softest < 0.0:
         if not _doubt(system, leg, last, point):
             point = point.changed(softest=0.0)  # the next point is asked, too
     return point, between(system, certify, leg, last, (point.position, point))
 
 
-def probe(system, leg, history, point):
-    """NotConverged where a mode is stable at both ends of a step, but a small jump or an unstable
-    part lies in between.
-
-    Where a mode is hardly stable any more (`Point.softest`), the tangent back tells of a jump, and
-    where it would not be at the rate of the last step, solves in between tell whether it loses its
-    stability and regains it.
-
-    Parameters
-    ----------
-    system, leg : as of `between`
-    history : [(position, Point), ...] of the leg, before the point
-    point : Point
-    """
-    if len(history) < 2:
-        return
-    (before, first), (here, last) = history[-2:]
-    ahead = last.softest + (last.softest - first.softest) * (point.position
-                                                             - here) / (here - before)
-    softened = ahead < SOFT or point.softest < max(SOFT, SOFTER * last.softest)
-    if not softened or min(last.softest, point.softest) < 0.0:
-        return
-    known, far = {here: last, point.position: point}, system.missed(last.state, point.state)
-    earlier = {before: first} if first.controls == last.controls else {}
-    if far > SHORT:
-        back = system.along_tangent(point, leg, point.position, here - point.position)
-        if system.progress(point.state, last.state, back) < BACK:
-            raise NotConverged(
-                "a mode softened, and the branch where the step ended hardly leads back")
-    softens = ahead < min(SOFT, LESS * last.softest)
-    for _ in range(PROBES if far > LONG and softens else 0):
-        places = sorted(known)
-        pair = min(zip(places, places[1:]), key=lambda pair: sum(known[place].softest
-                                                                 for place in pair))
-        position = 0.5 * sum(pair)
-        known[position] = _solved(system, leg, earlier | known, position, far)
-        if known[position].softest < 0.0:
-            raise NotConverged("a mode that is stable at both ends of the "
-                               "step is not at "
-                               f"{system.told(leg.controls, leg.load(position))}")
+def _counted(stability, before, point):
+    """A point with its neutral mode among the unstable ones if that was stable at the point
+    ``before`` and is below zero: a step as short as that may have gone over a fold, to another
+    branch next to a nearly broken bifurcation."""
+    if (before.stable != 1 or point.stable or point.unstable_modes or point.event == "fold"
+            or stability.critical(point, 0)[0] >= -SAME):
+        return point
+    return point.changed(unstable_modes=1)
 
 
 def crossed(system, certify, first, last):
@@ -140,7 +96,8 @@ def _doubt(system, leg, last, point):
     def place(position):
         return system.told(leg.controls, leg.load(position))
 
-    before, after = system.examiner(last[1]), system.examiner(point)
+    before = system.examiner(last[1])
+    after = _counted(system.examiner, before, system.examiner(point))
     if min(before.unstable_modes, after.unstable_modes) > 0:
         system.log(f"the branch is not stable at {place(last[0])}: a fold "
                    "or a bifurcation was passed before; -continuation_stability "
@@ -254,7 +211,7 @@ def _root(system, stability, leg, ends, index):
 
     def value(position):
         if position not in known:
-            known[position] = _solved(system, leg, known, position, far)
+            known[position] = solved(system, leg, known, position, far)
         if position not in values:  # found anew, an eigenvalue near zero might have another sign
             values[position], known[position] = stability.critical(known[position], index)
         return values[position]
@@ -287,9 +244,17 @@ def _apart(system, known, values):
     return system.missed(known[below].state, known[above].state)
 
 
-def _solved(system, leg, known, position, far):
+def solved(system, leg, known, position, far):
     """The point at a position between two known ones; the nearest one beyond them helps to foretell
-    it."""
+    it. NotConverged where it is off the branch.
+
+    Parameters
+    ----------
+    system, leg : as of `between`
+    known : position -> Point
+    position : float
+    far : how far the step leads in which it lies, ranges of the law
+    """
     nodes = sorted(sorted(known, key=lambda place: abs(place - position))[:3])
     near = min(abs(node - position) for node in nodes) < NEAR * (max(known) - min(known))
     foretold = through if near else moved_on

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from . import bifurcations
+from . import softening
 from .points import NotConverged
 from .predictors import PREDICTORS
 
@@ -132,9 +132,9 @@ class LoadSteps:
         return point.changed(leg=self.leg.number, position=target)
 
     def _probed(self, point):
-        """The point of a step, asked for what lies in between (`bifurcations.probe`); apart from
+        """The point of a step, asked for what lies in between (`softening.probe`); apart from
         the step, since predictions take much memory."""
-        bifurcations.probe(self.system, self.leg, self.history, point)
+        softening.probe(self.system, self.leg, self.history, point)
         return point
 
     def _strayed(self, guess, target, point):

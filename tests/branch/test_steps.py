@@ -165,6 +165,21 @@ def test_nearly_equal_bumps_meet_the_same_fold_in_steps_of_any_size(case, tmp_pa
         np.testing.assert_allclose(folds(found)[0, 0], load, atol=2e-5)
 
 
+def test_bumps_that_are_pulled_off_without_slip_do_not_go_on_unstable(tmp_path):
+    """The grid resolves states that do not slip, but not all that this law has: unstable modes were
+    counted nowhere, and steps of any size followed states in which two were. The folds are where
+    dense matrices and implicit motion have them."""
+    x = 2.0 * np.pi * np.arange(-64, 64) / 128
+    np.save(tmp_path / "three.npy", 0.56196475 * np.cos(3 * x) + 0.00092226 * np.cos(x - 0.64929)
+            + 0.0033489 * np.cos(2 * x + 0.88198))
+    scene = {"points": 128, "period": 23.2414, "height": 20.0, "normal_maugis": 1.33215,
+             "tangential_maugis": 1.509306, "law": "xu_needleman", "xu_needleman_r": 0.3,
+             "geometry": "file", "geometry_file": str(tmp_path / "three.npy")}
+    points = walked(scene, "normal_displacement=-2.2", 0.4, 0.4, "normal_displacement=0.21523")
+    assert kinds(points) == [("fold", "pull_off"), ("jump", "")] * 2
+    np.testing.assert_allclose(folds(points)[:, 0], (-0.6024, -2.0818), atol=2e-4)
+
+
 def test_a_step_that_begins_next_to_a_fold_does_not_pass_it():
     """A point 2e-7 before the fold, from which the load rises by 0.01 to the next one, is where two
     folds near each other hide."""

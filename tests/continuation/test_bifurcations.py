@@ -27,13 +27,14 @@ from test_continuation import (  # noqa: E402
 from contactsnes.branch.branch import Branch  # noqa: E402
 from contactsnes.continuation import branching  # noqa: E402
 from contactsnes.continuation.arclength import ArcLengthSteps  # noqa: E402
-from contactsnes.continuation.bifurcations import between, probe  # noqa: E402
+from contactsnes.continuation.bifurcations import between, examined  # noqa: E402
 from contactsnes.continuation.natural import NaturalSteps  # noqa: E402
 from contactsnes.continuation.points import (  # noqa: E402
     Leg,
     NoEquilibrium,  # noqa: E402
     NotConverged,
 )
+from contactsnes.continuation.softening import probe  # noqa: E402
 from contactsnes.dynamics.modes import NEUTRAL  # noqa: E402
 from contactsnes.dynamics.stability import Stability  # noqa: E402
 from contactsnes.options.fields import InputError  # noqa: E402
@@ -363,6 +364,31 @@ def test_a_mode_that_is_neutral_at_one_end_crosses_zero_elsewhere_if_at_all():
         between(system, Values(-3.0 * NEUTRAL, -1e-3), UNIT_LEG, *ends)
 
 
+@pytest.mark.parametrize("behind, apart", [(-0.3 * NEUTRAL, True), (-0.01 * NEUTRAL, False)])
+def test_a_neutral_mode_below_zero_has_lost_its_stability_where_the_last_point_had_it(behind,
+                                                                                      apart):
+    """Next to a nearly broken pitchfork even a short step may go over the fold, to where a mode is
+    hardly unstable; what rounding makes of a neutral one is less."""
+    class Halves(System):
+        def solve(self, guess, controls, load):
+            return replace(self._point(np.array([load[0], float(load[0] > 0.3)]), load, 1),
+                           position=load[0])
+
+    class Signs:
+        def __call__(self, point):
+            value, _ = self.critical(point, 0)
+            return replace(point, stable=int(value > NEUTRAL), unstable_modes=0)
+
+        def critical(self, point, index):
+            return (1e-3 if point.load[0] <= 0.3 else behind), point
+
+    system = Halves(pitchfork())
+    leg = Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 2e3, 2e3, 1e-6)
+    first, point = [system.solve(None, leg.controls, leg.load(place)) for place in (0.0, 1.0)]
+    _, error = followed(examined(system, Signs(), leg, (0.0, first), point) for _ in range(1))
+    assert ("no bifurcation was located there" in str(error)) is apart
+
+
 @pytest.mark.parametrize("second", [0.7, 0.31, 0.3 + 1e-6])
 def test_all_modes_that_change_in_a_step_are_found(second):
     points, _ = followed_steps(two_crossings(0.3, second), guess=(0.0, 0.0, 0.0))
@@ -458,6 +484,26 @@ def test_a_mode_that_is_as_soft_all_along_is_not_looked_at(values, solves):
                        for place, value in zip((0.1, 0.4, 1.0), values)]
     system.attempts.clear()
     probe(system, leg, [(found.position, found) for found in history], point)
+    assert len(system.attempts) == solves
+
+
+@pytest.mark.parametrize("least, refused, solves", [(-0.1, "is not at", 1),
+                                                    (-0.06, "is hardly so at", 1), (0.2, "", 2)])
+def test_a_mode_that_softens_in_a_long_first_step_is_looked_at_within_it(least, refused, solves):
+    """... whose rate no step before tells: v has the stiffness 4 (load - 0.6)^2 + ``least``."""
+    def stiffness(load):
+        return 4.0 * (load - 0.6) ** 2 + least
+
+    system = Seeing(Problem(lambda x, load: np.array([x[0] - load, x[1] * stiffness(load)]),
+                            lambda x, load: np.diag([1.0, stiffness(load)]),
+                            lambda x, load: np.array([-1.0, 0.0])))
+    leg = Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.9, 0.9, 1e-6)
+    first, point = [replace(system.solve(np.array([place, 0.0]), leg.controls, leg.load(place)),
+                            position=place) for place in (0.0, 0.95)]
+    assert min(point.softest, first.softest) > 0.0
+    system.attempts.clear()
+    _, error = followed(probe(system, leg, [(0.0, first)], point) for _ in range(1))
+    assert refused in str(error) if refused else error is None
     assert len(system.attempts) == solves
 
 

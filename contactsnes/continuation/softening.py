@@ -1,0 +1,70 @@
+"""Steps between whose ends, both stable, a mode may be unstable, or a small jump lie."""
+
+from .bifurcations import solved
+from .points import NotConverged
+
+SOFT = 0.05
+LONG = 0.3
+PROBES = 2
+"""Softest Ritz value at the rate of the last step, and way in ranges of the law, from which on a
+step is asked in between, and how often: a mode that softens so fast may be unstable there."""
+LESS = 0.75
+"""Part of its value below which the softest mode has to come by the end of the step at that rate:
+one that is as soft all along a path, as of a sharp law it is, does not lose its stability."""
+SHORT = 0.05
+SOFTER = 0.7
+BACK = 0.5
+"""Way, and part of the softest value at its begin, from which on the tangent at its end is asked,
+and what part of the way that has to lead back."""
+
+
+def probe(system, leg, history, point):
+    """NotConverged where a mode is stable at both ends of a step, but a small jump or an unstable
+    part lies in between.
+
+    Where a mode is hardly stable any more (`Point.softest`), the tangent back tells of a jump, and
+    where it would not be at the rate of the last step, solves in between tell whether it loses its
+    stability and regains it. In a long first step, which no rate foretells, they are asked where it
+    has softened, and one at which it is hardly stable, and less so than at both ends, will do.
+
+    Parameters
+    ----------
+    system, leg : as of `between`
+    history : [(position, Point), ...] of the leg, before the point
+    point : Point
+    """
+    (here, last), (softened, softens, earlier) = history[-1], _softening(history, point)
+    if not softened or min(last.softest, point.softest) < 0.0:
+        return
+    known, far = {here: last, point.position: point}, system.missed(last.state, point.state)
+    if len(history) < 2 and far <= LONG:
+        return
+    if far > SHORT:
+        back = system.along_tangent(point, leg, point.position, here - point.position)
+        if system.progress(point.state, last.state, back) < BACK:
+            raise NotConverged(
+                "a mode softened, and the branch where the step ended hardly leads back")
+    least = 0.0 if len(history) > 1 else min(SOFT, point.softest)
+    for _ in range(PROBES if far > LONG and softens else 0):
+        places = sorted(known)
+        pair = min(zip(places, places[1:]), key=lambda pair: sum(known[place].softest
+                                                                 for place in pair))
+        position = 0.5 * sum(pair)
+        known[position] = solved(system, leg, earlier | known, position, far)
+        if known[position].softest < least:
+            raise NotConverged("a mode that is stable at both ends of the step is "
+                               f"{'hardly so' if known[position].softest > 0.0 else 'not'} at "
+                               f"{system.told(leg.controls, leg.load(position))}")
+
+
+def _softening(history, point):
+    """(whether a mode has softened in a step, whether it may be unstable in between, the point
+    before the step, if that is of the same branch, by its place); as of `probe`."""
+    (here, last), lower = history[-1], point.softest < SOFTER * history[-1][1].softest
+    if len(history) < 2:
+        return lower, True, {}
+    before, first = history[-2]
+    ahead = last.softest + (last.softest - first.softest) * (point.position
+                                                             - here) / (here - before)
+    return (ahead < SOFT or point.softest < SOFT or lower, ahead < min(SOFT, LESS * last.softest),
+            {before: first} if first.controls == last.controls else {})
