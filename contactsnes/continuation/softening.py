@@ -24,8 +24,9 @@ def probe(system, leg, history, point):
 
     Where a mode is hardly stable any more (`Point.softest`), the tangent back tells of a jump, and
     where it would not be at the rate of the last step, solves in between tell whether it loses its
-    stability and regains it. In a long first step, which no rate foretells, they are asked where it
-    has softened, and one at which it is hardly stable, and less so than at both ends, will do.
+    stability and regains it; where they find it hardly stable, the tangent there has to lead back,
+    too. In a long first step, which no rate foretells, they are asked where it has softened, and
+    one at which it is hardly stable, and less so than at both ends, will do.
 
     Parameters
     ----------
@@ -40,10 +41,7 @@ def probe(system, leg, history, point):
     if len(history) < 2 and far <= LONG:
         return
     if far > SHORT:
-        back = system.along_tangent(point, leg, point.position, here - point.position)
-        if system.progress(point.state, last.state, back) < BACK:
-            raise NotConverged(
-                "a mode softened, and the branch where the step ended hardly leads back")
+        _lead_back(system, leg, last, here, point, point.position)
     least = 0.0 if len(history) > 1 else min(SOFT, point.softest)
     for _ in range(PROBES if far > LONG and softens else 0):
         places = sorted(known)
@@ -55,6 +53,17 @@ def probe(system, leg, history, point):
             raise NotConverged("a mode that is stable at both ends of the step is "
                                f"{'hardly so' if known[position].softest > 0.0 else 'not'} at "
                                f"{system.told(leg.controls, leg.load(position))}")
+        if known[position].softest < SOFT:
+            _lead_back(system, leg, known[pair[0]], pair[0], known[position], position)
+
+
+def _lead_back(system, leg, last, here, point, position):
+    """NotConverged where the tangent at a point hardly leads back to one before it, of the place
+    ``here``."""
+    back = system.along_tangent(point, leg, position, here - position)
+    if system.progress(point.state, last.state, back) < BACK:
+        raise NotConverged("a mode softened, and the branch at "
+                           f"{system.told(leg.controls, leg.load(position))} hardly leads back")
 
 
 def _softening(history, point):

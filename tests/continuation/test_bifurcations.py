@@ -507,6 +507,25 @@ def test_a_mode_that_softens_in_a_long_first_step_is_looked_at_within_it(least, 
     assert len(system.attempts) == solves
 
 
+@pytest.mark.parametrize("back", [0.2, 1.0])
+def test_where_a_mode_is_hardly_stable_within_a_step_the_tangent_leads_back_or_it_jumped(back):
+    """... from there: where the step ends, beyond the jump, it leads back by chance."""
+    def stiffness(load):
+        return 4.0 * (load - 0.6) ** 2 + 0.01
+
+    system = Seeing(Problem(lambda x, load: np.array([x[0] - load, x[1] * stiffness(load)]),
+                            lambda x, load: np.diag([1.0, stiffness(load)]),
+                            lambda x, load: np.array([-1.0, 0.0])))
+    leg = Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.1, 0.1, 1e-6)
+    first, last, point = [
+        replace(system.solve(np.array([place, 0.0]), leg.controls, leg.load(place)), position=place)
+        for place in (0.1, 0.3, 0.95)]
+    system.along_tangent = (lambda begin, leg, position, step: begin.state + np.array(
+        [step * (1.0 if begin is point else back), 0.0]))
+    _, error = followed(probe(system, leg, [(0.1, first), (0.3, last)], point) for _ in range(1))
+    assert ("hardly leads back" in str(error)) is (back < 0.5)
+
+
 @pytest.mark.parametrize("softest, back, refused", [(0.02, 0.2, True), (0.3, 0.2, True),
                                                     (0.3, 1.0, False), (0.9, 0.2, False)])
 def test_where_a_mode_has_softened_the_tangent_leads_back_or_the_step_jumped(softest, back,
