@@ -1,13 +1,16 @@
 """Steps between whose ends, both stable, a mode may be unstable, or a small jump lie."""
 
+import math
+
 from .bifurcations import solved
 from .points import NotConverged
 
 SOFT = 0.05
-LONG = 0.3
+LONG, BELOW = 0.3, 0.2
 PROBES = 2
 """Softest Ritz value at the rate of the last step, and way in ranges of the law, from which on a
-step is asked in between, and how often: a mode that softens so fast may be unstable there."""
+step is asked in between (the second where that value is below zero), and how often: a mode that
+softens so fast may be unstable there."""
 LESS = 0.75
 """Part of its value below which the softest mode has to come by the end of the step at that rate:
 one that is as soft all along a path, as of a sharp law it is, does not lose its stability."""
@@ -25,8 +28,8 @@ def probe(system, leg, history, point):
     Where a mode is hardly stable any more (`Point.softest`), the tangent back tells of a jump, and
     where it would not be at the rate of the last step, solves in between tell whether it loses its
     stability and regains it; where they find it hardly stable, the tangent there has to lead back,
-    too. In a long first step, which no rate foretells, they are asked where it has softened, and
-    one at which it is hardly stable, and less so than at both ends, will do.
+    too. In a long step which no rate foretells, as a first one, they are asked where it has
+    softened, and one at which it is hardly stable, and less so than at both ends, will do.
 
     Parameters
     ----------
@@ -34,7 +37,7 @@ def probe(system, leg, history, point):
     history : [(position, Point), ...] of the leg, before the point
     point : Point
     """
-    (here, last), (softened, softens, earlier) = history[-1], _softening(history, point)
+    (here, last), (softened, ahead, earlier) = history[-1], _softening(history, point)
     if not softened or min(last.softest, point.softest) < 0.0:
         return
     known, far = {here: last, point.position: point}, system.missed(last.state, point.state)
@@ -42,8 +45,10 @@ def probe(system, leg, history, point):
         return
     if far > SHORT:
         _lead_back(system, leg, last, here, point, point.position)
-    least = 0.0 if len(history) > 1 else min(SOFT, point.softest)
-    for _ in range(PROBES if far > LONG and softens else 0):
+    unknown = math.isnan(ahead)
+    least = min(SOFT, point.softest) if unknown else 0.0
+    softens = unknown or ahead < min(SOFT, LESS * last.softest)
+    for _ in range(PROBES if softens and far > (BELOW if ahead < 0.0 else LONG) else 0):
         places = sorted(known)
         pair = min(zip(places, places[1:]), key=lambda pair: sum(known[place].softest
                                                                  for place in pair))
@@ -67,13 +72,14 @@ def _lead_back(system, leg, last, here, point, position):
 
 
 def _softening(history, point):
-    """(whether a mode has softened in a step, whether it may be unstable in between, the point
-    before the step, if that is of the same branch, by its place); as of `probe`."""
+    """(whether a mode has softened in a step, how soft it were at its end at the rate of the last
+    step, nan where that is not known, the point before the step, if that is of the same branch, by
+    its place); as of `probe`."""
     (here, last), lower = history[-1], point.softest < SOFTER * history[-1][1].softest
     if len(history) < 2:
-        return lower, True, {}
+        return lower, math.nan, {}
     before, first = history[-2]
     ahead = last.softest + (last.softest - first.softest) * (point.position
                                                              - here) / (here - before)
-    return (ahead < SOFT or point.softest < SOFT or lower, ahead < min(SOFT, LESS * last.softest),
+    return (ahead < SOFT or point.softest < SOFT or lower, ahead,
             {before: first} if first.controls == last.controls else {})

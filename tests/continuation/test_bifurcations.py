@@ -501,10 +501,14 @@ def test_a_mode_that_softens_in_a_long_first_step_is_looked_at_within_it(least, 
     first, point = [replace(system.solve(np.array([place, 0.0]), leg.controls, leg.load(place)),
                             position=place) for place in (0.0, 0.95)]
     assert min(point.softest, first.softest) > 0.0
-    system.attempts.clear()
-    _, error = followed(probe(system, leg, [(0.0, first)], point) for _ in range(1))
-    assert refused in str(error) if refused else error is None
-    assert len(system.attempts) == solves
+    start = replace(system.solve(np.array([-0.1, 0.0]), leg.controls, leg.load(-0.1)),
+                    position=-0.1, softest=np.nan)
+    for history in ([first], [start, first]):  # a rate is not known of a start without solves, too
+        system.attempts.clear()
+        _, error = followed(probe(system, leg, [(found.position, found) for found in history],
+                                  point) for _ in range(1))
+        assert refused in str(error) if refused else error is None
+        assert len(system.attempts) == solves
 
 
 @pytest.mark.parametrize("back", [0.2, 1.0])
