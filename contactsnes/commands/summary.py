@@ -15,6 +15,7 @@ from ..contact.symmetry import has_one_mirror, obstacles
 from ..interface import bodies, shapes
 from ..options.database import database
 from ..options.fields import as_text
+from ..options.files import quoted
 from ..scene import resolution
 from ..scene import settings as scenes
 from ..scene.isolation import LEFT_OUT
@@ -283,5 +284,5 @@ def options_in_use(instances):
             text = as_text(values.as_typed(field.name) if isinstance(values, Units) else value)
             if in_si and field.name != "points":
                 text = given.get(name[1:]) or text  # of loads and steps the values in SI
-            lines.append(f'{name} "{text}"' if " " in text else f"{name} {text}".rstrip())
+            lines.append(f"{name} {quoted(text)}" if text else name)
     return [*lines, f"# {others} others have their defaults, which contactsnes run -help tells"]

@@ -12,7 +12,7 @@ import re
 from pathlib import Path
 
 from .fields import COMMON, InputError, meant, nearest
-from .files import is_option, may_be_file, read_file, with_files
+from .files import is_option, may_be_file, quoted, read_file, with_files
 from .solver_values import blamed, refuse_values, without_entries
 from .values import BOOLEANS, instance
 
@@ -169,11 +169,8 @@ def install(wanted):
 
 def database_text():
     """PETSc's whole database in the syntax of an options file, sorted by name."""
-    lines = []
-    for name, value in sorted(database().items()):
-        quoted = f'"{value}"' if " " in value or not value else value
-        lines.append(f"-{name} {quoted}" if value else f"-{name}")
-    return "\n".join(lines)
+    return "\n".join(f"-{name} {quoted(value)}" if value else f"-{name}"
+                     for name, value in sorted(database().items()))
 
 
 def read(cls, prefix=""):

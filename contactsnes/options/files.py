@@ -3,13 +3,19 @@
 import difflib
 import os
 import re
+import shlex
 from pathlib import Path
 
 from .fields import InputError
 
-LINE = re.compile(
-    r"""\s*(?P<name>-\S+)(\s+("(?P<quoted>[^"]*)"|'(?P<single>[^']*)'|(?P<plain>[^\s"']\S*)))?\s*"""
-)
+PLAIN = r"""[^\s"'#][^\s#]*"""
+"""A value without quotes."""
+
+LINE = re.compile(rf"""\s*(?P<name>-[^\s#]+)
+                  (\s+("(?P<quoted>[^"]*)"|'(?P<single>[^']*)'|(?P<plain>{PLAIN})))?
+                  \s*(\#.*)?""", re.VERBOSE)
+"""An option, its value and a comment: PETSc's syntax, but for a # between quotes, which belongs to
+the value; PETSc would cut it there."""
 
 CODE = re.compile(r"(?P<file>.+\.py):(?P<name>\w+)")
 """A name in a file of Python."""
@@ -162,10 +168,9 @@ def with_files(arguments, above=()):
 
 def _read_line(line, where):
     """The arguments of one line: nothing, a name, or a name and its value."""
-    text = line.partition("#")[0]
-    if not text.strip():
+    if not line.partition("#")[0].strip():
         return []
-    match = LINE.fullmatch(text)
+    match = LINE.fullmatch(line)
     values = [value for value in match.group("quoted", "single", "plain")
               if value is not None] if match else []
     if (not match or not is_option(match["name"]) or match["name"].startswith("--")
@@ -174,6 +179,36 @@ def _read_line(line, where):
                          f"'{line.strip()}'; write one option a line with one "
                          "dash, and a value with blanks in double quotes")
     return [match["name"], *values]
+
+
+def quoted(value):
+    """A value as it is written into a file of options: in quotes where it needs them."""
+    if re.fullmatch(PLAIN, value):
+        return value
+    mark = "'" if '"' in value else '"'
+    return f"{mark}{value}{mark}"
+
+
+def words(text):
+    """The words of a text of options, in many lines, which may hold one option with what `quoted`
+    makes of its value, or in one; without comments.
+
+    Parameters
+    ----------
+    text : str
+    """
+    found = []
+    for line in text.splitlines():
+        name, value = (*line.split(maxsplit=1), "", "")[:2]
+        value = value.rstrip()
+        if value[:1] in ('"', "'") and value.find(value[0], 1) == len(value) - 1:
+            found += [name, value[1:-1]]
+            continue
+        try:
+            found += line.split() if len(value.split()) < 2 else shlex.split(line)
+        except ValueError:  # a lone quotation mark
+            found += line.split()
+    return found
 
 
 def entries(arguments):

@@ -8,14 +8,13 @@ direction.
 """
 
 import hashlib
-import shlex
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from ..options.fields import InputError
-from ..options.files import is_option
+from ..options.files import is_option, words
 from ..scene.load import Load
 
 SOURCES = ("geometry_file",)
@@ -59,12 +58,8 @@ def checksum(grid, heights):
 def entries(text):
     """Name (without dash) -> value of the options in a text, in one line or many; the later
     wins."""
-    try:
-        words = shlex.split(text)
-    except ValueError:  # a lone quotation mark
-        words = text.split()
     found, name = {}, ""
-    for word in words:
+    for word in words(text):
         if is_option(word):
             name = word.lstrip("-")
             found[name] = ""

@@ -109,6 +109,27 @@ def test_bad_file_is_an_error_that_names_it(tmp_path, text):
     assert str(path) in str(error.value) and "\n" not in str(error.value)
 
 
+def test_comments_begin_outside_of_quotes(tmp_path):
+    path = tmp_path / "one.opts"
+    path.write_text("""-a "x # 1" # it's "so"
+        # -b 2
+        -c x#y
+        -d 'n#1'#n
+        -e#f
+        -g 1 #""")
+    assert files.read_file(path) == ["-a", "x # 1", "-c", "x", "-d", "n#1", "-e", "-g", "1"]
+
+
+@pytest.mark.parametrize("value", ["it's.h5", "run#1.h5", "back\\slash.h5", 'say "x.h5', "'x", '"x',
+                                   "ends here'", "a=1; b=2 # 3", "a\tb", 'x"y', "x'y z", "#"])
+def test_values_are_written_so_that_they_are_read_back(tmp_path, value):
+    path, path_text = tmp_path / "one.opts", '-load_path "a=1; b=2"'
+    path.write_text(f"-a {files.quoted(value)}\n{path_text}\n")
+    expected = ["-a", value, "-load_path", "a=1; b=2"]
+    assert files.words(path.read_text()) == files.read_file(path) == expected
+    assert files.words(f"-a {value}\n{path_text}")[-1] == "a=1; b=2", "as older archives have it"
+
+
 def test_file_that_cannot_be_read_is_an_error_that_names_it(tmp_path):
     binary = tmp_path / "binary.opts"
     binary.write_bytes(bytes(range(128, 256)))
