@@ -10,6 +10,7 @@ from ..options.fields import InputError
 from ..options.files import entries
 from ..options.words import asks_for_help
 from ..scene import settings as scenes
+from ..system.streams import legible
 from .session import (
     check_solvers,
     create_branch,
@@ -70,7 +71,8 @@ def _start(arguments, log):
     _check_files(stem, asked.overwrite)
     branch = create_branch(settings)
     typed = {name: given[name] for name in entries(words) if name in given}
-    found = methods.read_methods(paths, typed)
+    found = [method._replace(name=legible(method.name))
+             for method in methods.read_methods(paths, typed)]
     for method in found:
         install({**given, **method.entries})
         try:
@@ -80,7 +82,7 @@ def _start(arguments, log):
             raise InputError(f"method {method.name}: {error}") from None
     from ..compare.comparison import Comparison  # PETSc has its options now
 
-    return Comparison(Path(scene).stem, branch, found, given, asked, log), stem
+    return Comparison(legible(Path(scene).stem), branch, found, given, asked, log), stem
 
 
 def _check_files(stem, overwrite):

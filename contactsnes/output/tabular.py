@@ -9,6 +9,7 @@ import numpy as np
 
 from ..options.fields import InputError
 from ..scene.scene import Scene
+from ..system.streams import legible
 from . import resuming
 from .columns import instead
 from .extras import extra
@@ -152,7 +153,7 @@ def _value(record, name):
     """What holds for all points of an archive: its path, whether it is complete, an attribute of
     its scene, an option; None where there is none."""
     if name in ("archive", "complete"):
-        return {"archive": str(record.path), "complete": int(record.complete)}[name]
+        return {"archive": legible(str(record.path)), "complete": int(record.complete)}[name]
     if not name.startswith(SCENE) or name[len(SCENE):] not in record.scene:
         return resuming.entries(record.options).get(name)
     value = np.asarray(record.scene.get(name[len(SCENE):]))

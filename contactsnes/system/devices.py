@@ -10,7 +10,7 @@ import resource
 import select
 import signal
 
-from .streams import Waiting
+from .streams import Waiting, legible
 
 
 class Lenient(io.FileIO):
@@ -137,7 +137,7 @@ def _try(read, pipe, work):
     finally:
         # nobody may wait any more: where the program was killed, this copy of it must not go on
         try:
-            os.write(pipe, told.encode("utf-8", "replace")[:4096])
+            os.write(pipe, legible(told).encode("utf-8", "replace")[:4096])
         finally:
             os._exit(0)
 

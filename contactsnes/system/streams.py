@@ -2,12 +2,25 @@
 
 import contextlib
 import os
+import re
 import signal
 import sys
 
 SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP")
                 if hasattr(signal, name))
 """Signals that end a command with 128 + their number."""
+
+
+def legible(text):
+    """A text that any encoding of Unicode has letters for: bytes of names of files that are no text
+    in this environment's encoding are, where they can be, those of UTF-8, else ``\\xfc``.
+
+    Parameters
+    ----------
+    text : str
+    """
+    return re.sub("[\udc80-\udcff]+", lambda found: found[0].encode(
+        "utf-8", "surrogateescape").decode("utf-8", "backslashreplace"), text)
 
 
 class Stream:
@@ -28,7 +41,7 @@ class Stream:
 
     def write(self, text):
         """Write, or drop what cannot be written."""
-        self._tried(self._stream.write, text)
+        self._tried(self._stream.write, legible(text))
         return len(text)
 
     def flush(self):

@@ -96,6 +96,18 @@ def test_letters_that_a_stream_lacks_are_written_in_others():
     assert device.buffer.getvalue() == b"3 \\xb5m"
 
 
+@pytest.mark.parametrize("encoding, name, written", [
+    ("ascii", b"f\xc3\xbcr \xfc", b"f\\xfcr \\xfc"), ("utf-8", b"f\xfcr", b"f\\xfcr"),
+    ("utf-8", "f\u00fcr".encode(), "f\u00fcr".encode())])
+def test_bytes_of_names_are_written_as_letters(encoding, name, written):
+    """That are no text in this environment's encoding, and stand in texts by halves of letters."""
+    device = io.TextIOWrapper(io.BytesIO(), encoding=encoding)
+    stream = streams.Stream(device)
+    stream.write(name.decode(encoding, "surrogateescape"))
+    stream.flush()
+    assert device.buffer.getvalue() == written
+
+
 def test_an_unknown_backend_does_not_matter(tmp_path):
     assert shell("CONTACTSNES plot absent.h5", tmp_path,
                  MPLBACKEND="junk").stderr.endswith("absent.h5: there is no such file; name one "

@@ -15,6 +15,7 @@ from contactsnes.output import extras, files, tabular
 from contactsnes.output.archive import Archive
 from contactsnes.output.asked import ExportOptions, TableOptions
 from contactsnes.output.columns import Column
+from contactsnes.output.figures.curves import labels
 from contactsnes.output.files import ArchiveError
 from contactsnes.output.reading import read
 from contactsnes.output.tables import replaced
@@ -131,6 +132,14 @@ def test_a_table_goes_into_a_pipe_without_a_name():
     assert os.read(ours, 100) == b"point\n"
     for number in (ours, theirs):
         os.close(number)
+
+
+def test_a_name_that_is_no_text_is_written_in_letters(tmp_path):
+    path = archive(tmp_path / os.fsdecode(b"f\xfcr.h5"))
+    asked = TableOptions(columns="archive", rows="last", output=str(tmp_path / "t.csv"))
+    tabular.write_table([path], tabular.tabulate([path], asked), asked)
+    assert (tmp_path / "t.csv").read_text("utf-8").endswith("f\\xfcr.h5\n")
+    assert labels([read(path)]) == ["f\\xfcr"]
 
 
 def test_attributes_of_scenes_have_their_units(tmp_path):

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ...options.fields import InputError
+from ...system.streams import legible
 from ..columns import instead
 from ..prefixes import check_units
 from .data import NothingToShow, shear, unsheared, varies
@@ -24,7 +25,7 @@ def labels(records):
     their folders as tell them apart."""
     paths = [Path(os.path.abspath(record.path)) for record in records]
     names = [(*path.parent.parts[1:], path.stem) for path in paths]
-    return ["/".join(own[-_depth(own, set(names) - {own}):]) for own in names]
+    return [legible("/".join(own[-_depth(own, set(names) - {own}):])) for own in names]
 
 
 def _depth(own, others):

@@ -10,6 +10,7 @@ from matplotlib.lines import Line2D
 
 from ...options.fields import InputError, nearest
 from ...scene.units import PREFIXES
+from ...system.streams import legible
 
 HEADING = re.compile(r"\s*(?P<name>[\w.]+)\s*([\[(](?P<unit>.*)[\])])?\s*")
 """A name, and a unit in brackets."""
@@ -42,7 +43,7 @@ class Measured:
     """
 
     def __init__(self, path):
-        self.path, self.name, self.used = Path(path), Path(path).stem, False
+        self.path, self.name, self.used = Path(path), legible(Path(path).stem), False
         try:
             with open(path, newline="", encoding="utf-8-sig") as file:
                 lines = [line for line in file if line.strip() and not line.startswith("#")]

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ...system.streams import legible
 from ..extras import extra
 from ..files import ArchiveError, check_ending, check_output, target_beside
 from ..prefixes import read
@@ -51,7 +52,7 @@ def write_report(path, asked):
     check_ending(target, "a report", (".html", ".htm"))
     check_output(target)
     text = page(record, asked)
-    replaced(target, lambda partial: partial.write_text(text, encoding="utf-8"))
+    replaced(target, lambda partial: partial.write_text(legible(text), encoding="utf-8"))
     return target
 
 
