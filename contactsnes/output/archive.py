@@ -90,7 +90,7 @@ class Archive:
         self._versions = "\n".join(f"{name} {value}" for name, value in versions.items())
         self._scene = {name: value for name, value in scene.items() if value is not None}
         self._journal = Journal(beside(self.path), os.urandom(16).hex())
-        self._store = Store(self.path, self._layout, self._write_frame)
+        self._store = Store(self.path, self._layout, self._write_frame, self._journal)
         self._frame = None  # what it depends on, and its checksum
         # points that are in the journal, but not in the file, and what gives the last its fields
         self._waiting, self._later = [], None

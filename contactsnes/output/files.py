@@ -36,6 +36,12 @@ class WriteError(ArchiveError):
     """An archive that its disk does not take."""
 
 
+def shared(path):
+    """The error to raise where two programs write one archive."""
+    return ArchiveError(f"{path} has been changed by another program, which may still be running: "
+                        "wait for its end, or name another -archive_file.")
+
+
 def opened(path, mode):
     """Open an HDF5 file; wait a moment for other programs. Chunks pass by the cache: a row writes
     itself only."""

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .files import ArchiveError
+from .files import ArchiveError, shared
 
 BATCH, MOST = 64, 32 << 20
 """Points that wait in the journal at most, and bytes that it grows to."""
@@ -121,9 +121,7 @@ def _take(file, path):
 
 def _shared(path):
     """The error to raise where two programs write one journal."""
-    archive = path.with_name(path.name.removesuffix(SUFFIX))
-    return ArchiveError(f"{archive} has been changed by another program, which may still be "
-                        "running: wait for its end, or name another -archive_file.")
+    return shared(path.with_name(path.name.removesuffix(SUFFIX)))
 
 
 def _heading(key):

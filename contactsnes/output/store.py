@@ -10,13 +10,15 @@ read it.
 
 import contextlib
 import errno
+import fcntl
 import math
 import os
 import shutil
 
 from ..system.devices import Lenient, reason
 from . import stored
-from .files import SAFE, ArchiveError, WriteError, open_archive, opened
+from .files import SAFE, WriteError, open_archive, opened, shared
+from .journal import archive_of
 from .layout import CHUNKS
 
 ROOMY = 1 << 16
@@ -55,6 +57,7 @@ class Store:
     path : pathlib.Path
     layout : layout.Layout
     frame : function (file, slot, chunk) that writes everything but the points
+    journal : journal.Journal, whose key the file is known by
 
     Attributes
     ----------
@@ -62,10 +65,11 @@ class Store:
     room : int, points that it has room for as it is, 0 where that is not known
     """
 
-    def __init__(self, path, layout, frame):
+    def __init__(self, path, layout, frame, journal):
         self.path = path
         self.layout = layout
-        self.held = 0
+        self.journal = journal
+        self.held, self._made = 0, False  # whether the file is there
         self.room = 0
         self._slot = 0  # bytes of a state that it has room for
         self._frame = frame
@@ -146,11 +150,15 @@ class Store:
         from ..system.hdf5 import h5py
 
         partial = self.path.with_name(self.path.name + ".partial")
+        taken = self._taken(partial)
         try:
             with Lenient(partial) as device, h5py.File(device, "w", **SAFE) as new:
-                with open_archive(self.path) if self.held else contextlib.nullcontext() as old:
+                there = self._made or self.held
+                with open_archive(self.path) if there else contextlib.nullcontext() as old:
                     if old:
                         self._check_alone(old)
+                    if not self.held:
+                        old = None
                     states = stored.held_states(old, self.held) if old else {}
                     slot = max([slot, *(state.size for state in states.values())])
                     if not self.layout.packed:
@@ -167,13 +175,30 @@ class Store:
             with contextlib.suppress(OSError):
                 shutil.copymode(self.path, partial)
             os.replace(partial, self.path)
-        finally:
+        except BaseException:
             with contextlib.suppress(OSError):
                 partial.unlink()
-        self.room, self._slot = chunk * CHUNKS, slot
+            raise
+        finally:
+            os.close(taken)
+        self._made, self.room, self._slot = True, chunk * CHUNKS, slot
+
+    def _taken(self, partial):
+        """The number of a file that is locked until it is closed; raise where another program has,
+        which is about to put it in place. What knows no locks has none."""
+        number = os.open(partial, os.O_RDWR | os.O_CREAT, 0o666)
+        try:
+            fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            moved = not (partial.exists() and os.path.samestat(os.fstat(number), partial.stat()))
+        except OSError as error:
+            moved = error.errno in (errno.EACCES, errno.EAGAIN)
+        if moved:
+            os.close(number)
+            raise shared(self.path)
+        return number
 
     def _check_alone(self, file):
-        """Raise if the file does not hold the points that this run wrote."""
-        if file.attrs["points"] != self.held:
-            raise ArchiveError(
-                f"{self.path} has been changed by another program, which may still be running.")
+        """Raise if the file is not that of this archive, with the points that this run wrote."""
+        ours, theirs = map(archive_of, (self.journal.key, file.attrs.get("journal", "")))
+        if file.attrs["points"] != self.held or theirs not in ("", ours):
+            raise shared(self.path)

@@ -658,6 +658,54 @@ def test_two_runs_cannot_write_one_archive(tmp_path):
     assert check(tmp_path / "run.h5").points == 4
 
 
+def test_a_run_whose_archive_was_begun_anew_leaves_the_other_alone(tmp_path, monkeypatch):
+    """Each knows its own by more than the number of points."""
+    monkeypatch.setattr(writing, "BATCH", 64)
+    first = Archive.create(tmp_path / "run.h5", **content())
+    append(first, 2)
+    second = Archive.create(tmp_path / "run.h5", overwrite=True, **content())
+    append(second, 1)
+    with pytest.raises(ArchiveError, match="changed by another program"):
+        first.settle()
+    append(second, 2)
+    second.finish()
+    assert check(second.path).points == 3
+
+
+@pytest.mark.parametrize("moved", [False, True])
+def test_two_runs_do_not_write_one_file_anew(tmp_path, monkeypatch, moved):
+    """While the first is about to put its file in place, or after it has."""
+    path = tmp_path / "run.h5"
+    first = Archive.create(path, **content())
+    late = Archive(path, **content())
+    replace, opened, met = os.replace, os.open, []
+
+    def anew():
+        with pytest.raises(ArchiveError, match="changed by another program"):
+            late.settle()
+        met.append(True)
+
+    def replaced(partial, target):
+        monkeypatch.setattr(os, "replace", replace)
+        moved or anew()
+        replace(partial, target)
+
+    def found(name, *arguments):
+        """A file that is moved between its opening and its lock."""
+        number = opened(name, *arguments)
+        if moved and not met and str(name).endswith(".partial"):
+            met.append(True)
+            replace(name, path)
+        return number
+
+    monkeypatch.setattr(os, "replace", replaced)
+    append(first, 1) if not moved else None
+    monkeypatch.setattr(os, "open", found)
+    if moved:
+        anew()
+    assert met and not list(tmp_path.glob("*.partial"))
+
+
 def test_two_runs_mix_no_points_in_the_journal(tmp_path, monkeypatch):
     """A second one that finds no points waiting goes on from the same point."""
     first = waiting(tmp_path / "run.h5", monkeypatch, 0)
