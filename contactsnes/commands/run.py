@@ -141,7 +141,7 @@ class Run:
         if self.progress.points:
             print(self.progress.summary(self.known), *(self.watch.summary() if self.watch else ()),
                   sep="\n", flush=True)
-        if self.archive and self.archive.points:
+        if self.archive and self.archive.points and self.archive.path.is_file():
             print(f"  archive       {self.archive.path}, {self.archive.points} points", flush=True)
         if reason:
             self._complain(reason, counted="")
@@ -274,6 +274,8 @@ class Run:
         """What became of the points of a path that was not followed to its end, in words."""
         if not (self.archive and self.archive.points):
             return ""
+        if not self.archive.path.is_file():
+            return f"; {self.archive.path} is not there any more: it was removed, or moved away"
         points = f"{self.archive.points} points are" if self.archive.points > 1 else "1 point is"
         again = "" if self.ended else ", -archive_resume goes on from there"
         return f"; {counted}{points} in {self.archive.path}{again}"

@@ -129,7 +129,7 @@ def database():
     """
     from petsc4py import PETSc
 
-    with _scratch() as path:
+    with _somewhere(), _scratch() as path:
         viewer = PETSc.Viewer().createASCII(path, "w", comm=PETSc.COMM_SELF)
         PETSc.Options().view(viewer)
         viewer.destroy()
@@ -140,6 +140,21 @@ def database():
             name, _, value = SOURCE.sub("", line[1:]).partition(" ")
             entries[name.lower()] = value
     return entries
+
+
+@contextlib.contextmanager
+def _somewhere():
+    """Within it, the working folder is one that exists, which PETSc asks for where it opens a file:
+    that of a run may be removed meanwhile."""
+    with contextlib.ExitStack() as back:
+        try:
+            os.getcwd()
+        except OSError:
+            gone = os.open(".", os.O_RDONLY)
+            back.callback(os.close, gone)
+            back.callback(os.fchdir, gone)
+            os.chdir("/")
+        yield
 
 
 @contextlib.contextmanager

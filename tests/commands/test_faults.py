@@ -353,6 +353,29 @@ def test_a_folder_that_is_gone(tmp_path):
     one_sentence(done, 2, "working folder")
 
 
+GOING = """import os, shutil
+from contactsnes.interface.laws.modified import Modified
+
+class Going(Modified):
+    def evaluate(self, gap, traction, tangent=None):
+        if os.path.exists("run.h5.journal"):
+            shutil.rmtree(os.getcwd())
+        return super().evaluate(gap, traction, tangent)
+"""
+
+
+@pytest.mark.study
+def test_a_folder_that_goes_during_a_run(tmp_path):
+    """Nothing is said to be in an archive that is not there any more."""
+    (tmp_path / "going.py").write_text(GOING)
+    (tmp_path / "gone").mkdir()
+    done = call("run", *STILL.split(), "-load_path", "normal_displacement=-4", "-scene_law",
+                "../going.py:Going", "-archive_file", "run.h5", folder=tmp_path / "gone")
+    assert done.returncode == 1 and not (tmp_path / "gone").exists(), done
+    assert done.stderr.endswith("is not there any more: it was removed, or moved away\n"), done
+    assert "Traceback" not in done.stderr and "  archive  " not in done.stdout
+
+
 # Disks
 
 

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import os
 import random
 import subprocess
 import sys
@@ -199,6 +200,16 @@ def test_database_keeps_whole_values_and_marks_nothing_used(petsc):
     assert "-ksp_contactsnes_long" in options.unused_options()
     petsc.getString("ksp_contactsnes_long")
     assert "-ksp_contactsnes_long" not in options.unused_options()
+
+
+def test_the_database_is_read_where_the_working_folder_is_gone(petsc, tmp_path, monkeypatch):
+    (tmp_path / "gone").mkdir()
+    monkeypatch.chdir(tmp_path / "gone")
+    (tmp_path / "gone").rmdir()
+    petsc["contactsnes_here"] = "1"
+    assert options.database()["contactsnes_here"] == "1"
+    with pytest.raises(FileNotFoundError):
+        os.getcwd()
 
 
 def test_database_text_is_an_options_file(petsc, tmp_path):
