@@ -55,6 +55,34 @@ def test_a_coating_is_a_spring_at_each_place(dimension, poisson):
     assert coated.rigid_compliance == pytest.approx(np.add(layer.rigid_compliance, (0.7, 0.4)))
 
 
+class Coarse(Body):
+    """Compliances in single precision, and all of them one array that is not to be written."""
+
+    rigid_compliance = (0.0, 0.0)
+
+    def surface(self, wavenumber):
+        each = np.broadcast_to(np.float32(0.5), np.shape(wavenumber))
+        return Surface(each, each, each, np.zeros_like(each))
+
+
+class Even(Coarse):
+    """The same in double precision."""
+
+    def surface(self, wavenumber):
+        return Surface(*[np.array(each, float) for each in super().surface(wavenumber)])
+
+
+@pytest.mark.parametrize("components", (1, 2))
+def test_compliances_may_be_single_and_shared(components):
+    for blocks in (Coarse().compliance(WAVES[1], components),
+                   Coarse().stiffness(WAVES[1], components),
+                   Coarse().diagonal(WAVES[1], components)):
+        assert {block.dtype for block in blocks.values()} == {np.dtype(float)}
+        assert blocks[0, 0][0] == 0 and len(set(blocks[0, 0][1:])) == 1
+    assert last(Scene(**LINE), body=Coarse()).forces[0] == pytest.approx(
+        last(Scene(**LINE), body=Even()).forces[0], rel=1e-12)
+
+
 @pytest.mark.parametrize("dimension", (1, 2))
 @pytest.mark.parametrize("poisson", (0.2, 0.5))
 def test_the_diagonal_is_that_of_all_blocks(dimension, poisson):

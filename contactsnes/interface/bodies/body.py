@@ -257,7 +257,8 @@ class Body(Declared):
     def _blocks(self, surface, sign, waves, components, nonzero):
         """Rotate S to Cartesian components: S_ab = S_TT d_ab + (S_LL - S_TT) e_a e_b, S_an = i sign
         s e_a."""
-        blocks = {(0, 0): surface.normal}
+        # (zero is written into it; a body of one's own may give single precision)
+        blocks = {(0, 0): np.require(surface.normal, float, "W")}
         ratio = np.sqrt(self.work_ratio)
         for a in range(1, components):
             e = waves.unit[a - 1]
