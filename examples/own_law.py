@@ -36,4 +36,4 @@ def main(folder="results", strengths=(0.2, 0.4)):
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    print(__doc__) if {"-h", "--help"} & {*sys.argv} else main(*sys.argv[1:])

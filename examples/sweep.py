@@ -36,4 +36,4 @@ def main(folder="results", values=(0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0)):
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    print(__doc__) if {"-h", "--help"} & {*sys.argv} else main(*sys.argv[1:])

@@ -14,6 +14,8 @@ from matplotlib.figure import Figure
 from contactsnes import Branch, InputError, Load, Scene, plot, reference, sweep
 
 given = sys.argv[1:] if Path(sys.argv[0]).name == "tutorial.py" else []
+if {"-h", "--help"} & {*given}:
+    sys.exit(print(__doc__))
 folder = Path(given[0] if given else "results/tutorial")
 folder.mkdir(parents=True, exist_ok=True)
 

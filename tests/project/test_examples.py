@@ -1,5 +1,6 @@
 """The examples: each runs, draws its figure, and finds what is true."""
 
+import contextlib
 import importlib
 import runpy
 import sys
@@ -28,6 +29,16 @@ def run(tmp_path, monkeypatch, kept_options):
         return found
 
     return call
+
+
+@pytest.mark.parametrize("path", [*map("{}.py".format, NAMES), TUTORIAL.name])
+def test_help_says_what_an_example_does(path, tmp_path, monkeypatch, capsys, kept_options):
+    """And is no name of a folder."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", [str(EXAMPLES / path), "--help"])
+    with contextlib.suppress(SystemExit):
+        runpy.run_path(sys.argv[0], run_name="__main__")
+    assert "[FOLDER]" in capsys.readouterr().out and not list(tmp_path.iterdir())
 
 
 def test_pull_off_lies_between_the_limits_of_long_and_short_ranges(run):
