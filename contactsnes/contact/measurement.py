@@ -75,14 +75,14 @@ class Measurement:
 
     @cached_property
     def _sticking(self):
-        """(2, nodes), both below 0 at the nodes in contact that stick; whether some slip, and some
-        stick."""
+        """(2, nodes), both below 0 at the nodes in contact that stick; whether some of the contact
+        slips, and some nodes of it stick."""
         scene, peak = self.contact.scene, self.contact.law.slip_peak
         # (no squares, which bend more from node to node)
         slip = np.sqrt(np.einsum("in,in->n", self.gap[1:], self.gap[1:])) / peak - 1.0
         inside = slip[self.in_contact]
         return (np.stack([self.gap[0] / scene.contact_threshold - 1.0, slip]),
-                self.grid.any(inside >= 0.0), self.grid.any(inside < 0.0))
+                self._largest_slip >= peak, self.grid.any(inside < 0.0))
 
     @cached_property
     def stuck(self):
@@ -140,14 +140,17 @@ class Measurement:
         """Largest compressive normal traction, p_n,r."""
         return self.survey.pressure
 
+    @cached_property
+    def _largest_slip(self):
+        """Largest slip in contact, whose edge is mostly between nodes, delta_t."""
+        edge = self.window.at_level(self.gap[0], self.contact.scene.contact_threshold, self.gap[1:])
+        return max(self.survey.slip, self.grid.maximum(np.linalg.norm(edge, axis=0), initial=0.0))
+
     def maximum_tangential_gap(self):
-        """Largest tangential gap in contact, whose edge is mostly between nodes, u_t,r."""
+        """Largest tangential gap in contact, u_t,r."""
         if self.components == 1:
             return 0.0
-        edge = self.window.at_level(self.gap[0], self.contact.scene.contact_threshold, self.gap[1:])
-        largest = max(self.survey.slip, self.grid.maximum(np.linalg.norm(edge, axis=0),
-                                                          initial=0.0))
-        return float(largest / self.contact.ranges[1])
+        return float(self._largest_slip / self.contact.ranges[1])
 
     def maximum_tangential_traction(self):
         """Largest tangential traction, p_t,r."""

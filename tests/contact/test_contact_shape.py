@@ -95,6 +95,24 @@ def test_what_sticks_beside_the_edge_is_that_of_a_finer_grid():
     assert coarse["stick_area"] == pytest.approx(fine["stick_area"], rel=2e-3)
 
 
+def test_what_slips_between_the_last_node_in_contact_and_the_edge_counts():
+    """No node in contact slips yet, though the front has come by the edge: 0 was told. Expected is
+    what trigonometric interpolation of the displacements says."""
+    scene = Scene(points=64, period=32.0, normal_maugis=1.9, tangential_maugis=0.72, height=1.0,
+                  residual_friction=0.0, poisson=0.3, work_ratio=0.5)
+    load = Load(start="normal_displacement=1.396", path="tangential_displacement=1.6")
+    branch = Branch(scene, load, Steps(initial_step=1.2, largest_step=2.0))
+    *_, last = branch
+    row, measured = branch.observe(last), Measurement(branch.contact, last)
+    assert np.max(np.abs(measured.gap[1, measured.in_contact])) < math.sqrt(0.5)
+    waves = np.fft.rfft(branch.contact.extended(last.state))
+    fine = np.fft.irfft(np.concatenate([waves, np.zeros((2, 2**11 - 32))], axis=1), 2**12) * 64
+    touching = fine[0] + 0.95 * (np.arange(-2**11, 2**11) / 128) ** 2 < math.e
+    slipping = np.count_nonzero(touching & (np.abs(fine[1]) > math.sqrt(0.5))) / 128
+    assert slipping > 0.4 and row["slip_area"] == pytest.approx(slipping, abs=0.02)
+    assert math.isfinite(row["front_left"]) and math.isfinite(row["front_right"])
+
+
 def test_edges_and_fronts_of_a_line(line):
     seen = 0
     for point, row, measured in line:
