@@ -4,6 +4,7 @@ limit there, and what follows."""
 import math
 from dataclasses import replace
 
+from . import beside_folds
 from .points import NotConverged
 from .predictors.predictor import moved_on, through
 
@@ -128,6 +129,7 @@ def between(system, stability, leg, before, after):
     system, stability, leg : System, Stability (`system.Stability`), Leg
     before, after : (position, Point)
     """
+    after = beside_folds.reached(system, stability, leg, before, after)
     fewer, more = sorted((before[1].unstable_modes, after[1].unstable_modes))
     found = []
     if fewer < 0:
@@ -136,7 +138,7 @@ def between(system, stability, leg, before, after):
         # A path that goes on from an archive: one of the modes that change is that of its last
         # point.
         found, fewer = [stability.critical(before[1], fewer)[1]], fewer + 1
-    for index in range(fewer + _from_a_fold(before[1], after[1]), more):
+    for index in range(fewer + beside_folds.own_modes(before[1], after[1]), more):
         sentence = _not_located(system, leg, before, after)
         try:
             if (any(_vanishes(stability, point, index) for point in found)
@@ -170,13 +172,6 @@ def _parts(error, first, last):
     reason."""
     changed = first.unstable_modes - last.unstable_modes
     return isinstance(error, Apart) or bool(changed % 2 and not isinstance(error, Neutral))
-
-
-def _from_a_fold(first, last):
-    """How many of the modes that change between two points are that of a fold, which does not count
-    it: one on its unstable side."""
-    return int(any(one.event == "fold" and one.unstable_modes < other.unstable_modes
-                   for one, other in ((first, last), (last, first))))
 
 
 def _not_located(system, leg, before, after):

@@ -193,6 +193,22 @@ def test_a_fold_is_found_from_the_unstable_side_of_a_branch_too(stable):
     assert {point.unstable_modes - (stable < 0.0) for point in points[1:-1]} == {1}
 
 
+@pytest.mark.parametrize("side", (1.0, -1.0))
+def test_a_bifurcation_next_to_a_fold_is_not_taken_for_the_folds_own_mode(side):
+    """u^2 = 0.6 - load, from either side of the fold, and beside it a mode of the eigenvalue 0.0004
+    - u^2, which regains its stability within the step to the fold."""
+    problem = Problem(lambda x, load: np.array([x[0] ** 2 + load - 0.6,
+                                                x[1] * (4e-4 - x[0] ** 2 + x[1] ** 2)]),
+                      lambda x, load: np.array([[2.0 * x[0], 0.0], [
+                          -2.0 * x[0] * x[1], 4e-4 - x[0] ** 2 + 3.0 * x[1] ** 2]]),
+                      lambda x, load: np.array([1.0, 0.0]))
+    points, error = followed_steps(problem, guess=(side * np.sqrt(0.6), 0.0), at_fold="stop")
+    assert error is None and events(points) == ["bifurcation", "fold"]
+    assert points[-2].load[-1] == pytest.approx(0.5996, abs=1e-8)
+    assert {point.unstable_modes for point in points[1:-2]} == {1 if side > 0.0 else 2}
+    assert [point.unstable_modes for point in points[-2:]] == [0 if side > 0.0 else 1, 0]
+
+
 class Early(Seeing):
     """The same with solves that tell of a mode before it is unstable, as few iterations may."""
 
