@@ -29,7 +29,8 @@ def probe(system, leg, history, point):
     where it would not be at the rate of the last step, solves in between tell whether it loses its
     stability and regains it; where they find it hardly stable, the tangent there has to lead back,
     too. In a long step which no rate foretells, as a first one, they are asked where it has
-    softened, and one at which it is hardly stable, and less so than at both ends, will do.
+    softened, or was hardly stable where the step began, and one at which it is hardly stable, and
+    less so than at both ends, will do.
 
     Parameters
     ----------
@@ -46,7 +47,7 @@ def probe(system, leg, history, point):
     if far > SHORT:
         _lead_back(system, leg, last, here, point, point.position)
     unknown = math.isnan(ahead)
-    least = min(SOFT, point.softest) if unknown else 0.0
+    least = min(SOFT, point.softest, LESS * last.softest) if unknown else 0.0
     softens = unknown or ahead < min(SOFT, LESS * last.softest)
     for _ in range(PROBES if softens and far > (BELOW if ahead < 0.0 else LONG) else 0):
         places = sorted(known)
@@ -72,12 +73,12 @@ def _lead_back(system, leg, last, here, point, position):
 
 
 def _softening(history, point):
-    """(whether a mode has softened in a step, how soft it were at its end at the rate of the last
+    """(whether a mode may be unstable in a step, how soft it were at its end at the rate of the last
     step, nan where that is not known, the point before the step, if that is of the same branch, by
     its place); as of `probe`."""
     (here, last), lower = history[-1], point.softest < SOFTER * history[-1][1].softest
     if len(history) < 2:
-        return lower, math.nan, {}
+        return lower or last.softest < SOFT, math.nan, {}
     before, first = history[-2]
     ahead = last.softest + (last.softest - first.softest) * (point.position
                                                              - here) / (here - before)

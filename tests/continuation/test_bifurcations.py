@@ -34,7 +34,7 @@ from contactsnes.continuation.points import (  # noqa: E402
     NoEquilibrium,  # noqa: E402
     NotConverged,
 )
-from contactsnes.continuation.softening import probe  # noqa: E402
+from contactsnes.continuation.softening import SOFT, probe  # noqa: E402
 from contactsnes.dynamics.modes import NEUTRAL  # noqa: E402
 from contactsnes.dynamics.stability import Stability  # noqa: E402
 from contactsnes.options.fields import InputError  # noqa: E402
@@ -525,6 +525,27 @@ def test_a_mode_that_softens_in_a_long_first_step_is_looked_at_within_it(least, 
                                   point) for _ in range(1))
         assert refused in str(error) if refused else error is None
         assert len(system.attempts) == solves
+
+
+@pytest.mark.parametrize("least, dip, refused, solves", [
+    (-0.01, 0.8, "is not at", 2), (0.004, 0.7, "is hardly so at", 2), (0.04, 0.0, "", 2)])
+def test_a_first_step_from_where_a_mode_is_hardly_stable_is_looked_at(least, dip, refused, solves):
+    """... though the mode is stiffer at its end: v has the stiffness dip (load - 0.2375)^2 + least,
+    or the same all along, as of a sharp law."""
+    def stiffness(load):
+        return dip * (load - 0.2375) ** 2 + least
+
+    system = Seeing(Problem(lambda x, load: np.array([x[0] - load, x[1] * stiffness(load)]),
+                            lambda x, load: np.diag([1.0, stiffness(load)]),
+                            lambda x, load: np.array([-1.0, 0.0])))
+    leg = Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.9, 0.9, 1e-6)
+    first, point = [replace(system.solve(np.array([place, 0.0]), leg.controls, leg.load(place)),
+                            position=place) for place in (0.0, 0.95)]
+    assert 0.0 < first.softest < SOFT and point.softest >= first.softest
+    system.attempts.clear()
+    _, error = followed(probe(system, leg, [(0.0, first)], point) for _ in range(1))
+    assert refused in str(error) if refused else error is None
+    assert len(system.attempts) == solves
 
 
 @pytest.mark.parametrize("back", [0.2, 1.0])
