@@ -73,9 +73,9 @@ def _lead_back(system, leg, last, here, point, position):
 
 
 def _softening(history, point):
-    """(whether a mode may be unstable in a step, how soft it were at its end at the rate of the last
-    step, nan where that is not known, the point before the step, if that is of the same branch, by
-    its place); as of `probe`."""
+    """(whether a mode may be unstable in a step, how soft it were at its end at the rate of the
+    last step, nan where that is not known, the point before the step, if that is of the same
+    branch, by its place); as of `probe`."""
     (here, last), lower = history[-1], point.softest < SOFTER * history[-1][1].softest
     if len(history) < 2:
         return lower or last.softest < SOFT, math.nan, {}
