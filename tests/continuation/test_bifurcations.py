@@ -462,6 +462,19 @@ def test_following_edges_on_a_coarse_grid_leads_no_search_off_the_branch():
     assert [point.position for point in found] == [pytest.approx(0.5, abs=1e-8)]
 
 
+def of_stiffness(stiffness):
+    """A system in which u is the load, and the mode v has a stiffness at each load."""
+    return Seeing(Problem(lambda x, load: np.array([x[0] - load, x[1] * stiffness(load)]),
+                          lambda x, load: np.diag([1.0, stiffness(load)]),
+                          lambda x, load: np.array([-1.0, 0.0])))
+
+
+def at_loads(system, leg, *places):
+    """The points of such a system at some loads."""
+    return [replace(system.solve(np.array([place, 0.0]), leg.controls, leg.load(place)),
+                    position=place) for place in places]
+
+
 @pytest.mark.parametrize("least, solves", [(-0.05, 2), (0.01, 2), (1.0, 0)])
 def test_a_mode_that_softens_fast_is_looked_at_within_a_step(least, solves):
     """v has the stiffness 4 (load - 0.6)^2 + ``least``: lost and regained in one step where that is
@@ -474,8 +487,7 @@ def test_a_mode_that_softens_fast_is_looked_at_within_a_step(least, solves):
                       load: np.array([-1.0, 0.0]))
     system = Seeing(problem)
     leg = Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.1, 0.1, 1e-6)
-    *history, point = [replace(system.solve(np.array([place, 0.0]), leg.controls, leg.load(place)),
-                               position=place) for place in (0.1, 0.3, 0.95)]
+    *history, point = at_loads(system, leg, 0.1, 0.3, 0.95)
     assert min(point.softest, history[-1].softest) > 0.0
     system.attempts.clear()
     history = [(found.position, found) for found in history]
@@ -510,12 +522,9 @@ def test_a_mode_that_softens_in_a_long_first_step_is_looked_at_within_it(least, 
     def stiffness(load):
         return 4.0 * (load - 0.6) ** 2 + least
 
-    system = Seeing(Problem(lambda x, load: np.array([x[0] - load, x[1] * stiffness(load)]),
-                            lambda x, load: np.diag([1.0, stiffness(load)]),
-                            lambda x, load: np.array([-1.0, 0.0])))
+    system = of_stiffness(stiffness)
     leg = Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.9, 0.9, 1e-6)
-    first, point = [replace(system.solve(np.array([place, 0.0]), leg.controls, leg.load(place)),
-                            position=place) for place in (0.0, 0.95)]
+    first, point = at_loads(system, leg, 0.0, 0.95)
     assert min(point.softest, first.softest) > 0.0
     start = replace(system.solve(np.array([-0.1, 0.0]), leg.controls, leg.load(-0.1)),
                     position=-0.1, softest=np.nan)
@@ -535,12 +544,9 @@ def test_a_first_step_from_where_a_mode_is_hardly_stable_is_looked_at(least, dip
     def stiffness(load):
         return dip * (load - 0.2375) ** 2 + least
 
-    system = Seeing(Problem(lambda x, load: np.array([x[0] - load, x[1] * stiffness(load)]),
-                            lambda x, load: np.diag([1.0, stiffness(load)]),
-                            lambda x, load: np.array([-1.0, 0.0])))
+    system = of_stiffness(stiffness)
     leg = Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.9, 0.9, 1e-6)
-    first, point = [replace(system.solve(np.array([place, 0.0]), leg.controls, leg.load(place)),
-                            position=place) for place in (0.0, 0.95)]
+    first, point = at_loads(system, leg, 0.0, 0.95)
     assert 0.0 < first.softest < SOFT and point.softest >= first.softest
     system.attempts.clear()
     _, error = followed(probe(system, leg, [(0.0, first)], point) for _ in range(1))
@@ -554,13 +560,9 @@ def test_where_a_mode_is_hardly_stable_within_a_step_the_tangent_leads_back_or_i
     def stiffness(load):
         return 4.0 * (load - 0.6) ** 2 + 0.01
 
-    system = Seeing(Problem(lambda x, load: np.array([x[0] - load, x[1] * stiffness(load)]),
-                            lambda x, load: np.diag([1.0, stiffness(load)]),
-                            lambda x, load: np.array([-1.0, 0.0])))
+    system = of_stiffness(stiffness)
     leg = Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.1, 0.1, 1e-6)
-    first, last, point = [
-        replace(system.solve(np.array([place, 0.0]), leg.controls, leg.load(place)), position=place)
-        for place in (0.1, 0.3, 0.95)]
+    first, last, point = at_loads(system, leg, 0.1, 0.3, 0.95)
     system.along_tangent = (lambda begin, leg, position, step: begin.state + np.array(
         [step * (1.0 if begin is point else back), 0.0]))
     _, error = followed(probe(system, leg, [(0.1, first), (0.3, last)], point) for _ in range(1))
