@@ -185,7 +185,8 @@ class Store:
 
     def _taken(self, partial):
         """The number of a file that is locked until it is closed; raise where another program has,
-        which is about to put it in place. What knows no locks has none."""
+        which is about to put it in place. What knows no locks has none; one of POSIX, as a journal
+        has, would end where any other opening of the file is closed."""
         number = os.open(partial, os.O_RDWR | os.O_CREAT, 0o666)
         try:
             fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
