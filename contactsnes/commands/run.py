@@ -213,17 +213,17 @@ class Run:
         if isinstance(error, MemoryError):
             return (2 if early else 1, f"there is not enough memory ({error}): take "
                     "fewer points of the grid")
-        if isinstance(error, ArithmeticError):
-            status, reason = uncomputable(error, database())
-            return status if early else 1, reason
         if isinstance(error, KeyboardInterrupt):
             number = self.interrupts.number or signal.SIGINT
             return 128 + number, f"interrupted by {signal.Signals(number).name}"
         if isinstance(error, PETSc.Error):
             return 2 if early and error.ierr in BAD_OPTIONS else 1, petsc_sentence(error)
-        reason = "" if isinstance(error, InputError) else blamed(error)
-        if reason:  # in a file of one's own
+        reason = str(error) if isinstance(error, InputError) else blamed(error)
+        if reason:  # of what is one's own
             return 2 if early else 1, reason
+        if isinstance(error, ArithmeticError):
+            status, reason = uncomputable(error, database())
+            return status if early else 1, reason
         raise error
 
     def _accept(self, point):

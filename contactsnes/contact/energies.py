@@ -24,6 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..interface import law_claims
 from ..interface.laws.law import slip_of
 from .interface_work import FAR_PANELS, between, corners, straight
 from .state import lightest
@@ -108,7 +109,8 @@ def potential(contact, state):
         gap[0] += initial_gap[part]
         if len(gap) > 1:
             gap[1:] *= (gap[0] < contact.law.range) & (slip_of(gap) > STICKING)
-        energy = contact.law.potential(gap, contact.scene.work_ratio)
+        energy = law_claims.potential(contact.law, contact.scene.law, gap,
+                                      contact.scene.work_ratio)
         if energy is None:
             found = None
             break

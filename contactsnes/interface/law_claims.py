@@ -6,7 +6,7 @@ from numbers import Real
 import numpy as np
 
 from ..options.fields import InputError
-from .law_places import ALIKE, STEP, beside, places, refuse
+from .law_places import ALIKE, STEP, beside, in_kind, places, refuse
 from .laws.law import Law
 
 APART = 1e-4
@@ -117,7 +117,7 @@ def check_potential(law, name):
     for gaps in (normal[:, normal[0] > law.deepest + 0.5], *parts):
         for work_ratio, j in itertools.product((1.0, 3.0), range(len(gaps))):
             _check_gradient(law, name, gaps, work_ratio, j)
-    ends = _potential(law, name, np.array([[0.0, law.range]]), 1.0)
+    ends = potential(law, name, np.array([[0.0, law.range]]), 1.0)
     if ends is not None and not abs(ends[1]) <= APART * abs(ends[0] - ends[1]):
         raise InputError(f"the law {name} has the potential {ends[1]:.6g} at the normal gap "
                          f"{law.range:g} without slip, the end of the range: it has to be 0 where "
@@ -136,7 +136,7 @@ def _check_gradient(law, name, gaps, work_ratio, j):
     """
     step = np.zeros((len(gaps), 1))
     step[j] = STEP
-    ends = [_potential(law, name, gaps + sign * step, work_ratio) for sign in (1, -1)]
+    ends = [potential(law, name, gaps + sign * step, work_ratio) for sign in (1, -1)]
     if any(end is None for end in ends):
         return
     found = (ends[0] - ends[1]) / (2 * STEP)
@@ -149,15 +149,22 @@ def _check_gradient(law, name, gaps, work_ratio, j):
            found[None], meant[None])
 
 
-def _potential(law, name, gaps, work_ratio):
-    """A law's potential; InputError where it cannot be evaluated.
+def potential(law, name, gaps, work_ratio):
+    """A law's potential, an array (places), phi_n, or None; InputError where it is neither, or
+    cannot be evaluated.
 
     Parameters
     ----------
     law, name, gaps, work_ratio : as of `_check_gradient`
     """
     try:
-        return law.potential(gaps, work_ratio)
+        found = law.potential(gaps, work_ratio)
     except (Exception, SystemExit) as error:
         raise InputError(f"the law {name} has a potential(gap, work_ratio) that cannot be "
                          f"evaluated ({type(error).__name__}: {error}); mend it") from error
+    if found is not None and not (isinstance(found, np.ndarray) and found.dtype.kind == "f"
+                                  and found.shape == gaps.shape[1:]):
+        raise InputError(f"the law {name} has a potential(gap, work_ratio) that returns "
+                         f"{in_kind(found)} for {gaps.shape[1]} nodes: it has to be None, or an "
+                         "array of one real number for each")
+    return found

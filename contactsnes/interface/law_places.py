@@ -54,3 +54,10 @@ def in_words(gap):
     """A gap in words."""
     slip = f" and the slip {', '.join(f'{value:.6g}' for value in gap[1:])}" if len(gap) > 1 else ""
     return f"the normal gap {gap[0]:.6g}{slip} (ranges)"
+
+
+def in_kind(found):
+    """What something is, in words: of an array its shape and the type of its numbers, too."""
+    if isinstance(found, np.ndarray):
+        return f"an array {found.shape} of {found.dtype}"
+    return repr(found) if found is None else f"a {type(found).__name__}"

@@ -1,6 +1,7 @@
 """Bodies of one's own: what they declare is looked at on the cell's waves and far shorter ones."""
 
 from contextlib import contextmanager
+from functools import partial
 
 import numpy as np
 
@@ -52,6 +53,8 @@ def check_own(body, scene):
         _check_each_alone(body, scene, compliance, q, named)
         _check_rigid(body, compliance, q, named)
         _check_claims(body, scene, compliance, q, named)
+        for name in ("surface", "surface_stiffness"):
+            vars(body)[name] = partial(_watched, body, name, named)
 
 
 @contextmanager
@@ -79,7 +82,7 @@ def _untouched(body, name, q, named):
     named : str
     """
     given = q.copy()
-    found = getattr(body, name)(given)
+    found = getattr(type(body), name)(body, given)
     if not np.array_equal(given, q):
         raise InputError(f"{named}: its {name} writes into the wave numbers that it is "
                          "given, which others go on with: work on a copy of them")
@@ -87,6 +90,24 @@ def _untouched(body, name, q, named):
         raise InputError(f"{named}: its {name} returns a {type(found).__name__} in place of a "
                          f"Surface({', '.join(Surface._fields)}), which "
                          "contactsnes.interface.elasticity has")
+    return found
+
+
+def _watched(body, name, named, q):
+    """What a method of a body that has been looked at makes of wave numbers, as long as it is in
+    use: another grid, or a later call, may find it to be something else.
+
+    Parameters
+    ----------
+    body, name, named, q : as of `_untouched`
+    """
+    found, of = _untouched(body, name, np.asarray(q), named), name.removeprefix("surface_")
+    for words, values in zip(Surface._fields, found):
+        words = f"{words} {'compliance' if of == name else of}"
+        if np.shape(values) not in ((), np.shape(q)):
+            raise InputError(_misshapen(named, words, values, np.asarray(q)))
+        _refuse(f"{named}: its {words}", np.ravel(q), np.ravel(values),
+                ~(np.isfinite(values) & np.isreal(values)).ravel(), "real and finite")
     return found
 
 
@@ -104,7 +125,7 @@ def _check_surface(c, m, q, named):
             raise InputError(f"{named}: its {words} compliance is complex: give real numbers (the "
                              "factor i between normal and tangential directions is put in later)")
     if np.shape(c.normal) != q.shape:
-        raise InputError(_misshapen(named, "normal", c.normal, q))
+        raise InputError(_misshapen(named, "normal compliance", c.normal, q))
     for words, values in (("its normal compliance", c.normal),
                           ("its transverse compliance", c.transverse),
                           ("the determinant of its normal and longitudinal compliance",
@@ -120,14 +141,14 @@ def _check_surface(c, m, q, named):
 
 
 def _misshapen(named, words, values, q):
-    """A sentence on compliances that are not one for each wave number.
+    """A sentence on values that are not one for each wave number.
 
     Parameters
     ----------
-    named, words : str, of the body and of the compliances
+    named, words : str, of the body and of the values
     values, q : arrays
     """
-    return (f"{named}: its {words} compliance has the shape {np.shape(values)}, the wave numbers "
+    return (f"{named}: its {words} has the shape {np.shape(values)}, the wave numbers "
             f"have {q.shape}: give one value for each")
 
 
@@ -148,7 +169,7 @@ def _check_each_alone(body, scene, c, q, named):
         some = some[:len(some) // 2 * 2].reshape(2, -1)
     for words, values, others in zip(Surface._fields, body.surface(some.copy()), c):
         if np.shape(values) not in ((), some.shape):
-            raise InputError(_misshapen(named, words, values, some))
+            raise InputError(_misshapen(named, f"{words} compliance", values, some))
         values = np.broadcast_to(values, some.shape).ravel()
         others = np.broadcast_to(others, q.shape)[-2::-2][:some.size]
         _refuse(f"{named}: its {words} compliance, of fewer wave numbers in another order,",

@@ -1,13 +1,15 @@
 """Laws of one's own: their tangent is compared with differences of their tractions."""
 
 import itertools
+from functools import partial
 
 import numpy as np
 
 from ..options.fields import InputError
 from . import law_claims
 from .formula import NORMAL, SHEARED, Tractions
-from .law_places import ALIKE, STEP, in_words, places, refuse
+from .law_places import ALIKE, STEP, in_kind, in_words, places, refuse
+from .laws.law import Law
 from .program import fault
 
 
@@ -23,6 +25,8 @@ def check(law, name, in_file=True):
     in_file : whether it is of a file
     """
     law_claims.check_kinds(law, name)
+    if type(law).evaluate is not Law.evaluate:
+        vars(law)["evaluate"] = partial(_watched, law, name)
     with np.errstate(all="ignore"):
         try:
             written = law.formula is not None
@@ -79,13 +83,14 @@ def _check_tangent(law, name):
     for components in (1, 2, 3):
         gaps = places(law, components)
         try:
-            traction, tangent = _filled(law, given := gaps.copy()), law.tangent(given)
+            traction, tangent = law.traction(given := gaps.copy()), law.tangent(given)
             differences = _differences(law, gaps)
             alone, kept = law.evaluate(inside := gaps.copy(), inside), law.normal(gaps[0])[0]
+        except InputError:
+            raise
         except (Exception, SystemExit) as error:
-            raise InputError(f"the law {name} cannot be evaluated with "
-                             f"{components} component(s) ({type(error).__name__}: "
-                             f"{error}); mend it") from error
+            raise InputError(f"the law {name} cannot be evaluated with {components} component(s) "
+                             f"({type(error).__name__}: {error}); mend it") from error
         if not np.array_equal(given, gaps):
             raise InputError(f"the law {name}: its evaluate writes into the gaps that it is given, "
                              "which others go on with: work on a copy of them")
@@ -110,14 +115,41 @@ def _check_tangent(law, name):
                                atol=1e-12), law.traction(mirror * gaps), mirror * traction)
 
 
-def _filled(law, gaps):
-    """Tractions of a law at gaps; TypeError, in words, where not the array that it is given holds
-    them."""
-    traction = law.evaluate(gaps, given := np.empty_like(gaps))
-    if traction is not given:
-        raise TypeError("its evaluate returns another array than the traction that it is given, or "
-                        "none: fill that one, and return it")
+def _watched(law, name, gap, traction, tangent=None):
+    """What the evaluate of a law's class does, for as long as the law is in use: one that does not
+    hang on gaps alone may return something else late, and end somewhere as a defect of ours.
+
+    InputError where not the array that it is given holds the tractions, or, of a law that has been
+    looked at, where something is not finite that has to be: where no gap is below its deepest, to
+    which solvers may come on their way.
+    """
+    given = gap.copy() if traction is gap else gap
+    found = type(law).evaluate(law, gap, traction, tangent)
+    if found is not traction:
+        raise InputError(f"the law {name}: its evaluate returns another array than the traction "
+                         f"that it is given, or none ({in_kind(found)} for {in_kind(traction)}): "
+                         "fill that one, and return it")
+    for what, values in (("traction", traction), ("tangent", tangent)):
+        # (a sum takes less than a look at each)
+        if (values is not None and not np.isfinite(values.sum()) and np.isfinite(given).all()
+                and vars(law).get("_looked_at") and given[0].min() >= law.deepest):
+            _refuse_infinite(name, what, values, given)
     return traction
+
+
+def _refuse_infinite(name, what, values, gaps):
+    """InputError that tells of the first place at which a value is not finite.
+
+    Parameters
+    ----------
+    name, what : str, of the law and of the values
+    values : array (..., places)
+    gaps : array (components, places)
+    """
+    wrong = ~np.isfinite(values).reshape(-1, gaps.shape[1]).all(axis=0)
+    for place in np.flatnonzero(wrong)[:1]:
+        raise InputError(f"the law {name} has no finite {what} at {in_words(gaps[:, place])}; "
+                         "mend it")
 
 
 def _check_signs(law, name, in_file):
@@ -163,13 +195,8 @@ def _check_finite(lines, name):
     """InputError where a traction or its tangent is not finite on lines, [(gaps and slips,
     tractions, tangents), ...]; ``name`` for the sentence."""
     for line, traction, tangent in lines:
-        values = np.vstack([traction, tangent.reshape(4, -1)])
-        wrong = ~np.isfinite(values)
-        if wrong.any():
-            place = np.flatnonzero(wrong.any(axis=0))[0]
-            what = "traction" if wrong[:2, place].any() else "tangent"
-            raise InputError(f"the law {name} has no finite {what} at {in_words(line[:, place])}; "
-                             "mend it")
+        _refuse_infinite(name, "traction", traction, line)
+        _refuse_infinite(name, "tangent", tangent, line)
 
 
 def _check_jumps(law, name, lines):

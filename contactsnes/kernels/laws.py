@@ -94,7 +94,8 @@ class LawKernel:
 
 def kernel_of(law):
     """The LawKernel that a law was given, or None."""
-    return vars(law).get("evaluate")
+    found = vars(law).get("evaluate")
+    return found if isinstance(found, LawKernel) else None
 
 
 def with_kernel(law, cache):

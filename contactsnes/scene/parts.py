@@ -131,7 +131,7 @@ def check_law(scene):
     law = laws.of(scene)
     if laws.REGISTRY.knows(scene.law) and not vars(law).get("_looked_at"):
         own_laws.check(law, scene.law, in_file=scene.law in laws.REGISTRY.own)
-        law._looked_at = True
+        vars(law)["_looked_at"] = True  # (set as options are, it would end what watches the law)
 
 
 def check(scene):

@@ -10,9 +10,11 @@ petsc4py.init([])
 from contactsnes import Body, Branch, InputError, Law, Load, Scene, Shape  # noqa: E402
 from contactsnes.commands import cli  # noqa: E402
 from contactsnes.commands.run import Run  # noqa: E402
+from contactsnes.contact.energies import stored  # noqa: E402
 from contactsnes.interface import bodies, laws, own_methods, shapes  # noqa: E402
 from contactsnes.interface.bodies.layer import Layer  # noqa: E402
 from contactsnes.interface.gap import evaluated  # noqa: E402
+from contactsnes.interface.laws.modified import Modified  # noqa: E402
 from contactsnes.output.reading import read  # noqa: E402
 
 LINE = {"points": 128, "period": 20.0, "normal_maugis": 1.0}
@@ -128,18 +130,26 @@ class Late(Modified):
 
     def evaluate(self, *arguments):
         if self.broken:
-            raise {error}("too late")
+            {late}
         return super().evaluate(*arguments)
 """
+FAILED = "-scene_law is 'mine.py:Late': its evaluate fails ({}: too late; line 9 of the file); men"
 
 
-@pytest.mark.parametrize("error", ["ValueError", "SystemExit", "StopIteration"])
-def test_a_law_that_fails_on_the_way_loses_no_points(error, tmp_path, monkeypatch, capsys,
+@pytest.mark.parametrize("late, words", [
+    ("raise ValueError('too late')", FAILED.format("ValueError")),
+    ("raise SystemExit('too late')", FAILED.format("SystemExit")),
+    ("raise StopIteration('too late')", FAILED.format("StopIteration")),
+    ("raise ZeroDivisionError('too late')", FAILED.format("ZeroDivisionError")),
+    ("return None", "the law mine.py:Late: its evaluate returns another array than the traction "
+     "that it is given, or none (None for an array (1, ")])
+def test_a_law_that_fails_on_the_way_loses_no_points(late, words, tmp_path, monkeypatch, capsys,
                                                      kept_options):
     """What was there was not told, and that it was bad input; an end of the program ended it
-    without a word, and that of an iteration looked like a defect of ours."""
+    without a word, that of an iteration looked like a defect of ours, as what is no array did, and
+    a division by zero like one of the solver."""
     monkeypatch.setattr(laws.REGISTRY, "own", {})
-    (tmp_path / "mine.py").write_text(LATE.format(error=error), encoding="utf-8")
+    (tmp_path / "mine.py").write_text(LATE.format(late=late), encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     accept = Run._accept
 
@@ -152,10 +162,101 @@ def test_a_law_that_fails_on_the_way_loses_no_points(error, tmp_path, monkeypatc
                      "mine.py:Late", "-load_path", "normal_displacement=9", "-archive_file",
                      "run.h5"]) == 1
     said = capsys.readouterr().err
-    assert ("-scene_law is 'mine.py:Late': its evaluate fails "
-            f"({error}: too late; line 9 of the file); mend it; 3 points are in ") in said
+    assert words in said and "; 3 points are in " in said
     assert "Traceback" not in said
     assert read("run.h5").points == 3
+
+
+class Fickle:
+    """Does something else with what a method makes of its arguments once it has been called."""
+
+    def __init__(self, method, change):
+        self.method, self.change, self.late = method, change, False
+
+    def __call__(self, *arguments):
+        found = self.method(*arguments)
+        return self.change(found, *arguments) if self.late else found
+
+
+def late(branch, fickle):
+    """What is said of a method that does something else after two points."""
+    points = iter(branch)
+    next(points), next(points)
+    fickle.late = True
+    with pytest.raises(InputError) as caught:
+        [*points]
+    return str(caught.value)
+
+
+def untold(found, gap, traction, tangent=None):
+    """A traction with a tangent that is nan."""
+    if tangent is not None:
+        tangent[...] = np.nan
+    return found
+
+
+@pytest.mark.parametrize("change, words", (
+    (lambda found, *_: found.astype(complex), "or none (an array (1, 65) of complex128 for an arr"),
+    (lambda found, *_: found.astype(int), "or none (an array (1, 65) of int64 for an array"),
+    (lambda found, *_: found[:, :-1], "or none (an array (1, 64) of float64 for an array (1, 65)"),
+    (lambda found, *_: found.tolist(), "or none (a list for an array (1, 65) of float64)"),
+    (lambda found, *_: np.multiply(found, np.nan, out=found), "has no finite traction at the nor"),
+    (untold, "has no finite tangent at the normal gap ")))
+def test_a_law_that_does_something_else_on_the_way_is_told(change, words):
+    """It ended somewhere with an error of NumPy, or as a failure of the solver."""
+    fickle = Fickle(Modified().evaluate, change)
+    law = type("Mine", (Modified,), {
+        "evaluate": lambda self, gap, traction, tangent=None: fickle(gap, traction, tangent)})()
+    said = late(Branch(Scene(**LINE), PRESSED, law=law), fickle)
+    assert said.startswith("the law Mine") and words in said
+
+
+def test_gaps_below_the_deepest_are_the_solvers_own():
+    """Steps that are too long end there; what a law makes of them is no fault of it."""
+    def evaluate(self, gap, traction, tangent=None):
+        far = gap[0] < -31.5
+        super(cls, self).evaluate(gap, traction, tangent)
+        traction[0, far] = np.inf
+        return traction
+
+    cls = type("Mine", (Modified,), {"evaluate": evaluate})
+    contact = Branch(Scene(**LINE), PRESSED, law=cls()).contact
+    assert np.isinf(contact.law.traction(np.array([[-32.0]])))
+
+
+@pytest.mark.parametrize("change, words", (
+    (lambda found, gap, ratio: found[:-1], "returns an array (64,) of float64 for 65 nodes: it"),
+    (lambda found, gap, ratio: 1 / 0, "cannot be evaluated (ZeroDivisionError: division by zero)")))
+def test_a_potential_that_is_something_else_on_the_way_is_told(change, words):
+    fickle = Fickle(Modified().potential, change)
+    law = type("Mine", (Modified,), {
+        "potential": lambda self, gap, work_ratio=1.0: fickle(gap, work_ratio)})()
+    branch = Branch(Scene(**LINE), PRESSED, law=law)
+    point = next(iter(branch))
+    fickle.late = True
+    with pytest.raises(InputError) as caught:
+        stored(branch.contact, point)
+    said = str(caught.value)
+    assert "the law Mine" in said and f"has a potential(gap, work_ratio) that {words}" in said
+
+
+@pytest.mark.parametrize("change, words", (
+    (lambda found, q: None, "surface returns a NoneType in place of a Surface(normal, long"),
+    (lambda found, q: found._replace(normal=found.normal[1:]), "its normal compliance has the sha"),
+    (lambda found, q: found._replace(normal=1j * q), "its normal compliance is "),
+    (lambda found, q: found._replace(coupling=q * np.nan), "its coupling compliance is nan at")))
+@pytest.mark.parametrize("dimension", (1, 2))
+def test_a_body_that_is_something_else_on_the_way_is_told(change, words, dimension):
+    """It ended somewhere with an error of NumPy, or as a failure of the solver."""
+    fickle = Fickle(Layer(0.5, 2000.0).surface, change)
+    body = made(Layer, surface=lambda self, q: fickle(q))
+    geometry = ("cylinder", "sphere")[dimension - 1]
+    contact = Branch(Scene(dimension=dimension, geometry=geometry, points=32, period=20.0), PRESSED,
+                     body=body).contact
+    fickle.late = True
+    with pytest.raises(InputError) as caught:
+        contact.body.compliance(contact.grid.wavevectors(), dimension + 1)
+    assert "-scene_body is 'Mine" in str(caught.value) and words in str(caught.value)
 
 
 def test_nothing_is_asked_of_no_nodes_or_waves():
