@@ -92,7 +92,7 @@ def start_petsc(arguments, refused=lambda settings: None):
                          "change into one that exists") from None
     words = petsc_arguments(arguments)[1:]
     world.first(lambda: refuse_unwritable(entries(words)))  # some PETSc opens as it starts
-    refuse_circles(os.environ.get("PETSC_OPTIONS", ""))
+    world.first(lambda: refuse_circles(os.environ.get("PETSC_OPTIONS", "")))
     begin_petsc(words)
     refuse_differences()
     check_solvers()

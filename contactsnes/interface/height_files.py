@@ -111,7 +111,8 @@ def _read_map(filename, _=""):
         if found.ndim == 2 and len(turned.T) > 1 and _are_places(turned):
             raise ValueError(f"its first {which} seems to be places, evenly spaced, and no heights "
                              "as the next one; take places out, or save the map as FILE.npy")
-    return Heights(found, *size_and_unit(text, table.shape))
+    size, unit = size_and_unit(text, table.shape)
+    return Heights(found, size, unit, metric=unit is None and size is not None)
 
 
 def _are_places(table):

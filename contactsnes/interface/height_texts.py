@@ -27,7 +27,7 @@ LENGTH = re.compile(r"(\d[\d.,]*(?:[eE][-+]?\d+)?)[ \t]*(\S+)")
 
 def size_and_unit(text, shape):
     """The size of a map, in its unit, and that unit, as Gwyddion tells them above its numbers, None
-    where it tells none; ValueError for numbers that are no heights.
+    where it tells none, whose size is in metres; ValueError for numbers that are no heights.
 
     Parameters
     ----------
@@ -38,9 +38,7 @@ def size_and_unit(text, shape):
     unit = known(told.get("Value units") or None)
     sides = [_metres(told.get(name, "")) for name, count in zip(("Height", "Width"), shape)
              if count > 1]
-    if unit is None or not all(sides):
-        return None, unit
-    return tuple(side / UNITS[unit] for side in sides), unit
+    return tuple(side / UNITS[unit or "m"] for side in sides) if all(sides) else None, unit
 
 
 def _metres(length):

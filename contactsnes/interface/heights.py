@@ -13,7 +13,7 @@ from ..options.fields import LARGEST, InputError
 from ..system.processes import world
 from . import height_files
 from .seams import seams
-from .stored_heights import Elsewhere, Heights, Stored
+from .stored_heights import Elsewhere, Stored
 
 TAPER = 0.1
 """Part of the size at each edge over which a window takes heights to their mean."""
@@ -88,7 +88,7 @@ def _made(specification, crop, fill, edges):
         values.flags.writeable = False
     size = found.size and tuple(length * n / whole for length, n, whole
                                 in zip(found.size, values.shape, found.values.shape))
-    return Heights(values, size, found.unit, _last_digit(found.values.dtype, largest))
+    return replace(found, values=values, size=size, digit=_last_digit(found.values.dtype, largest))
 
 
 def _last_digit(dtype, size):

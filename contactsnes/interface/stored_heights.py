@@ -31,15 +31,23 @@ class Heights:
     """Heights of a file (nan where there are none), its size in each direction and its unit, None
     where it does not tell.
 
-    The size is in the unit of the heights; values are an array, or `Stored` or `Elsewhere`; the
-    digit is the last one that the largest of them has in the file's floating-point numbers. They
-    are equal to themselves only, so that what is made of them can be kept with them.
+    The size is in the unit of the heights, or ``metric``, in metres, where the file tells that of
+    the size alone; values are an array, or `Stored` or `Elsewhere`; the digit is the last one that
+    the largest of them has in the file's floating-point numbers. They are equal to themselves only,
+    so that what is made of them can be kept with them.
     """
 
     values: object
     size: tuple = None
     unit: str = None
     digit: float = 0.0
+    metric: bool = False
+
+    def size_in(self, unit):
+        """The size in metres, or as the file has it, for a unit of the heights in metres, or 1.0;
+        None where there is none."""
+        factor = 1.0 if self.metric else unit
+        return self.size and tuple(factor * length for length in self.size)
 
 
 class Elsewhere(NamedTuple):

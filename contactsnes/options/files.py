@@ -20,6 +20,9 @@ the value; PETSc would cut it there."""
 CODE = re.compile(r"(?P<file>.+\.py):(?P<name>\w+)")
 """A name in a file of Python."""
 
+YAML = (".yml", ".yaml", ":yaml")
+"""How names of files end that PETSc reads as YAML."""
+
 HEIGHTS = "-scene_geometry_file"
 """The option that names a file of data."""
 
@@ -128,9 +131,17 @@ def _beside(words, path):
 
 def refuse_circles(text):
     """InputError where options in a text, or the files that PETSc reads by itself, name files that
-    include themselves."""
+    include themselves, or the text, PETSC_OPTIONS, names a file that PETSc does not find."""
     words = text.split()
     paths = [value for name, value in zip(words, words[1:]) if name.lower() == "-options_file"]
+    for path in paths:
+        if os.path.exists(path) or "$" in path or path.endswith(YAML):  # (those are PETSc's)
+            continue
+        if (place := located(path)) == path:
+            _text(path)  # which says why
+        raise InputError(f"PETSC_OPTIONS names the options file '{path}', which PETSc looks for in "
+                         f"the working folder alone: name {place} there, or give {path} to the "
+                         "command itself")
     for path in (*paths, os.path.expanduser("~/.petscrc"), ".petscrc", "petscrc"):
         # (the folder of another user, whom a container or sudo has left in HOME, has none for us)
         if os.path.isfile(path) and "-options_file" in _lower(path):
@@ -158,7 +169,7 @@ def with_files(arguments, above=()):
         path = next(words, "")
         if not path or is_option(path):
             raise InputError("-options_file has no value: name a file of lines '-option value'")
-        yaml = path.endswith((".yml", ".yaml", ":yaml"))
+        yaml = path.endswith(YAML)
         if yaml and not Path(path.removesuffix(":yaml")).is_file():
             raise InputError(
                 f"the options file '{path}' cannot be read (there is no such file): check its name")

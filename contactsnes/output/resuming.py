@@ -240,16 +240,21 @@ def on_path(points, initial, path, controls, told):
                              f"{', '.join(under)} control in leg {point.leg}, but "
                              f"-load_path has {', '.join(asked)} control there: "
                              "legs that are begun must be the same")
-        if placed:
-            _check_between(placed[-1], point, path)
         named = initial if point.leg == 0 else path[point.leg - 1].controls
-        placed.append(_placed(point, named, told))
+        found = _placed(point, named, told)
+        if placed:
+            _check_between(placed[-1], found, path)
+        placed.append(found)
     return placed
 
 
 def _check_between(last, point, path):
-    """InputError unless a leg was done before points of a later one, and those between them move
-    nothing."""
+    """InputError unless points follow each other, a leg was done before points of a later one, and
+    those between them move nothing."""
+    if point.leg < last.leg or (point.leg == last.leg and not (last.arc or point.arc)
+                                and point.position < last.position - ROUNDING):
+        raise InputError("the points to go on from are not in their order along the path: give the "
+                         "oldest first")
     if 0 < last.leg < point.leg and last.position != 1.0:
         raise InputError(f"the points to go on from leave leg {last.leg} before it ends: "
                          "legs that are done must be the same")

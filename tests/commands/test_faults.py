@@ -324,6 +324,19 @@ def test_a_file_that_includes_itself_is_refused(tmp_path, monkeypatch):
             files.refuse_circles(text)
 
 
+@pytest.mark.parametrize("file, words", [
+    ("cylinder.opts", "'cylinder.opts', which PETSc looks for in the working folder alone: name .+ "
+     "there, or give cylinder.opts to the command"),
+    ("cylindr.opts", "'cylindr.opts' cannot be read .*: did you mean cylinder.opts")])
+def test_files_that_petsc_does_not_find_are_told(file, words, tmp_path, monkeypatch):
+    """PETSc told of its own functions; files that come with the package are the command line's."""
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match=words):
+        files.refuse_circles(f"-a 1 -options_file {file}")
+    (tmp_path / file).write_text("-a 1\n")
+    files.refuse_circles(f"-options_file {file} -options_file $HOME/absent.opts")
+
+
 @pytest.mark.parametrize("arguments, words", [(["-options_file", "absent"], "absent"),
                                               (["-options_file"], "no value"),
                                               (["-options_file", "absent.yaml"], "absent.yaml"),

@@ -3,6 +3,7 @@ and units."""
 
 import importlib.util
 import pickle
+from pathlib import Path
 
 import numpy as np
 import petsc4py
@@ -434,6 +435,23 @@ def test_headings_of_gwyddion_tell_size_and_unit(tmp_path):
     assert Scene.typed(**SI, geometry_file=other).periods == pytest.approx(scene.periods)
 
 
+@pytest.mark.parametrize("values", ("", "none"))
+def test_headings_of_gwyddion_without_a_unit_tell_the_size(values, tmp_path):
+    """It was lost: of numbers without a unit Gwyddion writes none."""
+    name = exported(tmp_path / "map.txt", MAP, unit="")
+    if values:
+        path = Path(name)
+        path.write_text(path.read_text(encoding="utf-8").replace("# Value units: \n", ""),
+                        encoding="utf-8")
+    scene = Scene.typed(**SI, geometry_file=name, heights_unit="nm", heights_crop="4:20,0:18")
+    assert scene.told(scene.periods, "beta") == pytest.approx((1.6e-6, 3.6e-6))
+    assert shapes.of(scene).stated(scene) == pytest.approx(scene.periods)
+    np.testing.assert_allclose(shapes.of(scene).heights(scene) * scene.scale("u_n,r")[0],
+                               1e-9 * MAP[4:20], rtol=1e-10)
+    with pytest.raises(InputError, match="'dimensionless', but .* tells its size in metres: add"):
+        Scene.typed(geometry="file", geometry_file=name)
+
+
 def test_profiles_of_gwyddion_have_the_length_of_their_side(tmp_path):
     row = exported(tmp_path / "row.txt", MAP[:, 0])
     column = exported(tmp_path / "column.txt", MAP[:, :1])
@@ -456,7 +474,8 @@ def test_headings_of_gwyddion_and_options_do_not_contradict_each_other(tmp_path)
 
 @pytest.mark.parametrize("width, unit, sentence", [
     ("3.6 µm", "V", "its unit is V; known are m"), ("18 px", "m", "a map without size"),
-    ("0 m", "m", "a map without size"), ("3.6 µm", "", "a map without size")])
+    ("0 m", "m", "a map without size"), ("0 m", "", "a map without size"),
+    ("3.6 µm", "", "which tells its size, but no unit of its heights: give that by -scene_heigh")])
 def test_headings_of_gwyddion_that_tell_no_lengths(tmp_path, width, unit, sentence):
     name = exported(tmp_path / "map.txt", MAP, width, unit=unit)
     with pytest.raises(InputError, match=sentence):

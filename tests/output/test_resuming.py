@@ -53,6 +53,14 @@ def test_longer_legs_are_followed_to_their_new_ends(before, kind, done):
     assert np.all(np.diff(places) > 0.0) and np.diff(places).max() <= 0.4 + 1e-9
 
 
+def test_points_to_go_on_from_that_are_not_in_their_order_are_refused(before):
+    """The newest first, they were gone on from at the oldest, as if the rest had been after it."""
+    first = [point for point in before if point.leg == 1]
+    for points in (before[::-1], first[::-1], [*first[1:], first[0]], [*before[-2:], *before[:2]]):
+        with pytest.raises(InputError, match="not in their order along the path: give the oldest"):
+            followed("normal_displacement=1; tangential_displacement=2", points)
+
+
 @pytest.mark.parametrize("kind", ["natural", "arclength"])
 def test_a_path_goes_on_after_every_point_of_its_jumps(kind):
     """From a fold to its jump, not to the fold again, and from a jump to a further event at its

@@ -108,9 +108,11 @@ class File(Shape):
             raise InputError(f"-scene_heights_unit is '{own['heights_unit']}', but -scene_units is "
                              "'dimensionless', and heights are in u_n,r: add -scene_units si, or "
                              "leave it out")
-        if not si and found.unit:
-            raise InputError(f"-scene_units is 'dimensionless', but heights of "
-                             f"{own['geometry_file']} are in {found.unit}: add -scene_units si")
+        if not si and (found.unit or found.metric):
+            file = own["geometry_file"]
+            told = (f"heights of {file} are in {found.unit}" if found.unit
+                    else f"{file} tells its size in metres")
+            raise InputError(f"-scene_units is 'dimensionless', but {told}: add -scene_units si")
         if found.unit and UNITS[own.get("heights_unit") or found.unit] != UNITS[found.unit]:
             raise InputError(f"-scene_heights_unit is '{own['heights_unit']}', but the file says "
                              f"{found.unit}: leave it out")
@@ -121,9 +123,11 @@ class File(Shape):
                 raise InputError(f"-scene_heights_size is '{as_text(size)}', but -scene_period "
                                  f"'{as_text(given)}' fixes the same: give one of them")
             return cls._of_part(size, found, own)
+        if found.metric and si and given is None and not own.get("heights_unit"):
+            raise InputError(f"-scene_geometry_file is '{own['geometry_file']}', which tells its "
+                             "size, but no unit of its heights: give that by -scene_heights_unit")
         if found.size is not None and given is None:
-            factor = UNITS[found.unit or own.get("heights_unit", "m")] if si else 1.0
-            told = tuple(factor * length for length in found.size)
+            told = found.size_in(UNITS[found.unit or own.get("heights_unit", "m")] if si else 1.0)
             return told if len(told) > 1 else told[0]
         if given is None and si:
             raise InputError(f"-scene_geometry_file is '{own['geometry_file']}', a map without "
@@ -202,8 +206,8 @@ class File(Shape):
     def stated(self, scene):
         """The size that the file itself tells of what is used of it, beta, one a direction; None
         where it tells none."""
-        found, unit = self.map(), UNITS[self.unit()] if scene.units == "si" else 1.0
-        return found.size and tuple(unit / scene.scale("beta")[0] * length for length in found.size)
+        size = self.map().size_in(UNITS[self.unit()] if scene.units == "si" else 1.0)
+        return size and tuple(length / scene.scale("beta")[0] for length in size)
 
     def digit(self, scene):
         """The last digit that the file's numbers have for the largest height, u_n,r."""
