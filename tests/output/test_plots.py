@@ -501,6 +501,36 @@ def test_several_archives_stand_in_one_figure(tmp_path, undrawn):
     assert texts[:2] == ["one", "two"] and texts.count("jump") == 1
 
 
+def test_folds_of_all_archives_are_one_entry_of_a_legend(tmp_path):
+    for name, rows in (("one", shear()), ("two", [*shear(), *loading()])):
+        archive_of(tmp_path / f"{name}.h5", [(row, ()) for row in rows])
+    records = [read(tmp_path / f"{name}.h5") for name in ("one", "two")]
+    axes = curves.draw_columns(records, ["normal_displacement", "normal_force"]).axes[0]
+    texts = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert texts == ["one", "two", "start", "fold (jump-in, pull-off, sliding)", "jump",
+                     "gross sliding", "pull-off"]
+
+
+@pytest.mark.parametrize("dimension", (1, 2))
+def test_modes_are_drawn_of_the_components_that_they_have(tmp_path, dimension):
+    """Of a contact that begins to slide the leading mode is one of slip."""
+    x = np.arange(16.0)
+    shape = (dimension + 1, *[16] * dimension)
+    opens, slips, none = np.zeros(shape), np.zeros(shape), np.full(shape, np.nan)
+    opens[0], slips[1] = 1.0, np.sin(x).reshape(16, *[1] * (dimension - 1))
+    archive_of(tmp_path / "run.h5", [({}, (np.zeros(shape), np.ones(shape), mode))
+                                     for mode in (opens, slips, none)], "all", modes=True,
+               coordinates=(x,) * dimension, components=dimension + 1,
+               initial_gap=np.ones(shape[1:]))
+    record = read(tmp_path / "run.h5")
+    normal, slip = profiles.modes(record, [0, 1, 2])
+    assert (normal.symbol, slip.symbol) == ("v_n", "v_{t}" if dimension == 1 else "v_{t,x}")
+    assert np.array_equal(slip.values[1], np.sin(x)) and not np.any(slip.values[0])
+    assert np.array_equal(normal.values[0], np.ones(16)) and np.isnan(normal.values[2]).all()
+    assert [panel.symbol for panel in profiles.modes(record, [1])] == [slip.symbol]
+    assert profiles.modes(record, [2]) == []
+
+
 @pytest.mark.parametrize("paths, names", [
     (["one.h5", "there/two.h5"], ["one", "two"]),
     (["run.h5", "../run.h5"], ["here/run", "{}/run"]),

@@ -63,16 +63,14 @@ def draw_columns(records, columns, measured=(), part_of=lambda record: slice(0, 
 
 def _handles(records, part_of):
     """Entries of the legend: the archives, then the events that occur in any of them."""
+    events = event_handles(*((record, part_of(record)) for record in records))
     if len(records) == 1:
-        return event_handles(records[0], part_of(records[0]))
+        return events
     curves = [Line2D([], [], color=f"C{number % COLOURS}", label=name)
               for number, name in enumerate(labels(records))]
-    events = {}
-    for record in records:
-        for handle in event_handles(record, part_of(record)):
-            handle.set_color(GREY)
-            events.setdefault(handle.get_label(), handle)
-    return curves + list(events.values())
+    for handle in events:
+        handle.set_color(GREY)
+    return curves + events
 
 
 def _check(records, columns):

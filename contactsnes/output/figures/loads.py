@@ -23,7 +23,7 @@ def draw_shear(record, measured=()):
     points = [*draw_measured(above, record, displacement, f"tangential_force{direction}", measured),
               *draw_measured(below, record, displacement, "contact_area", measured)]
     above.set_xlabel("")
-    place_legend(above, event_handles(record, part) + points)
+    place_legend(above, event_handles((record, part)) + points)
     figure.align_ylabels()
     return figure
 
@@ -35,7 +35,7 @@ def draw_area(record, measured=()):
     axes = figure.subplots()
     draw_branch(axes, record, f"tangential_force{direction}", "contact_area", part)
     points = draw_measured(axes, record, f"tangential_force{direction}", "contact_area", measured)
-    place_legend(axes, event_handles(record, part) + points)
+    place_legend(axes, event_handles((record, part)) + points)
     return figure
 
 
@@ -66,5 +66,5 @@ def draw_approach(record, measured=()):
     axes.axvline(0, **ZERO)
     if handles:
         axes.set_xlabel(label("normal displacement", "d", record.units["approach"]))
-    place_legend(axes, handles + event_handles(record, part) + points)
+    place_legend(axes, handles + event_handles((record, part)) + points)
     return figure

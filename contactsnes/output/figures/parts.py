@@ -82,24 +82,28 @@ def draw_inset(axes, record, part):
     return True
 
 
-def event_handles(record, part):
-    """Entries of the legend for the start and the events that occur."""
-    found = record["event"][part]
-    handles = [Line2D([], [], **MARKS["start"], linestyle="none", label="start" if len(found) > 1
-                      else "only point")]
-    for name in (name for name in EVENTS if name in found):
+def event_handles(*shown):
+    """Entries of the legend for the start and the events that occur.
+
+    Parameters
+    ----------
+    shown : (Readable, slice of its points), for each archive
+    """
+    found = [record["event"][part] for record, part in shown]
+    handles = [Line2D([], [], **MARKS["start"], linestyle="none",
+                      label="start" if max(map(len, found)) > 1 else "only point")]
+    for name in (name for name in EVENTS if name in np.concatenate(found)):
         line = DASHED | {"color": BLUE} if name == "jump" else {"linestyle": "none"}
         look = {**MARKS[name], **line, "markerfacecolor": MARKS[name]["color"]}
-        handles.append(Line2D([], [], **look, label=kinds(record, part) if name == "fold"
+        handles.append(Line2D([], [], **look, label=kinds(shown) if name == "fold"
                               else word(name)))
     return handles
 
 
-def kinds(record, part):
-    """Folds with the kinds that occur."""
-    found = (record["fold_kind"][part][record["event"][part] == "fold"] if "fold_kind" in record
-             else [])
-    words = sorted({word(kind) for kind in found if kind})
+def kinds(shown):
+    """Folds with the kinds that occur; ``shown`` as of `event_handles`."""
+    words = sorted({word(kind) for record, part in shown if "fold_kind" in record
+                    for kind in record["fold_kind"][part][record["event"][part] == "fold"] if kind})
     return f"fold ({', '.join(words)})" if words else "fold"
 
 

@@ -73,14 +73,17 @@ def panels(record, gaps, tractions):
 
 
 def modes(record, chosen):
-    """The leading modes of the chosen points where any of them has one, normal component."""
+    """The leading modes of the chosen points where any of them has one: the components that are
+    more than rounding."""
     if "mode" not in record.units:
         return []
-    found = [record.field("mode", point)[0] for point in chosen]
-    if not np.isfinite(found).any():
-        return []
-    return [Panel("leading mode", "v_n", "",
-                  [mode if mode.ndim == 1 else mode[:, mode.shape[1] // 2] for mode in found])]
+    found = np.array([mode if mode.ndim == 2 else mode[:, :, mode.shape[2] // 2]
+                      for mode in (record.field("mode", point) for point in chosen)])
+    sizes = np.max(np.abs(found), axis=(0, 2), initial=0.0, where=np.isfinite(found))
+    symbols = "v_n", *(tangential("v", axis) for axis in directions(record))
+    return [Panel("leading mode", symbol, "", list(values))
+            for symbol, values, size in zip(symbols, found.transpose(1, 0, 2), sizes)
+            if size > 1e-6 * max(sizes)]
 
 
 def zoom(stack, x, gaps, tractions):
