@@ -159,7 +159,7 @@ class Estimator:
         normal, tangential = (
             1.0 if FORCE in controls else min(1.0, peak * scale * area) for controls, peak, scale
             in ((point.controls[:1], law.normal_peak, ranges[0]),
-                (point.controls[1:], law.tangential_peak, ranges[-1])))
+                (point.controls[1:], law.friction_size, ranges[-1])))
         return normal, min(1.0, area), 1.0, tangential
 
     def _decays(self, point, contact):

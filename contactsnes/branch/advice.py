@@ -94,10 +94,11 @@ def _too_large(scene, found, what):
 def _lengths(scene, found, sheared, size):
     """Cohesive lengths, and how they compare with the contact."""
     normal, tangential = cohesive_lengths(scene)
+    slips = sheared and math.isfinite(tangential)
     lines = [f"cohesive length of the opening, E* phi_n/sigma_max^2: {size(normal, 'beta', 4)}"
-             + (f"; of the slip, E* phi_t/tau_max^2: {size(tangential, 'beta', 4)}" if sheared
+             + (f"; of the slip, E* phi_t/tau_max^2: {size(tangential, 'beta', 4)}" if slips
                 else "")]
-    if sheared and found is not None and found.radius > 0.0:
+    if slips and found is not None and found.radius > 0.0:
         ratio = tangential / found.radius
         lines.append(f"that is {ratio:.2g} of the contact: slip "
                      + ("runs in from the edge as a front" if ratio < 0.3 else

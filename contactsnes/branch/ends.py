@@ -180,7 +180,7 @@ class Ends:
             return None
         gap, law = survey.gaps(contact, state), contact.law
         before = law.traction(gap)
-        least = SLACK * np.array([law.normal_peak, *[law.tangential_peak] * (len(gap) - 1)])
+        least = SLACK * np.array([law.normal_peak, *[law.friction_size] * (len(gap) - 1)])
         for i in free:
             moved, changed = gap.copy(), 0.0
             for step in (ONWARD, 1.0 - ONWARD):
@@ -212,4 +212,4 @@ class Ends:
         least = self.contact.grid.minimum(slip_of(point.state.displacement), where=touching)
         law, places = self.contact.law, np.array([[0.0, 0.0], [least, least + ONWARD]])
         slopes = np.abs(law.tangent(places)[1, 1])
-        return least > law.slip_peak and slopes.max() < LEVEL * law.tangential_peak
+        return least > law.slip_peak and slopes.max() < LEVEL * law.friction_size

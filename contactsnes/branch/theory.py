@@ -45,7 +45,8 @@ def theory(scene, force):
 
 
 def cohesive_lengths(scene):
-    """Lengths of the cohesive zones that open and that slip, E* phi/strength^2, beta."""
+    """Lengths of the cohesive zones that open and that slip, E* phi/strength^2, beta; inf without
+    a strength, as of friction that is there under pressure only."""
     law = laws.of(scene)
     return tuple(1.0 / (peak * maugis) ** 2 if peak > 0.0 else math.inf
                  for peak, maugis in ((law.normal_peak, scene.normal_maugis),
@@ -71,9 +72,10 @@ def contact_displacement(scene, found):
 
 def layer_share(scene, found):
     """Displacements of the layer, T H/(G A), and of the contact in it, at the `sliding_force` of a
-    contact by theory, u_t,r; None where no layer is there."""
+    contact by theory, u_t,r; None where no layer is there, or no strength."""
     compliance = bodies.of(scene).rigid_compliance[1]
-    if scene.isolated or compliance == 0.0 or not found.radius > 0.0:
+    if (scene.isolated or compliance == 0.0 or not found.radius > 0.0
+            or not laws.of(scene).tangential_peak > 0.0):
         return None
     return (sliding_force(scene, found) * compliance / math.prod(scene.periods),
             contact_displacement(scene, found))
@@ -82,6 +84,7 @@ def layer_share(scene, found):
 def sliding_displacement(scene, found):
     """Displacement of the top at which all of a contact by theory slips, u_t,r; None where it is
     not known."""
-    if found is None or scene.isolated or not found.radius > 0.0:
+    if (found is None or scene.isolated or not found.radius > 0.0
+            or not laws.of(scene).tangential_peak > 0.0):
         return None
     return sum(layer_share(scene, found) or (contact_displacement(scene, found),))

@@ -62,7 +62,7 @@ def held(contact, state):
     places = np.ones((2, PLACES))
     places[1] = np.linspace(min(least, law.slip_range), law.slip_peak, PLACES)
     traction = law.traction(places)
-    peaks = np.array([[law.normal_peak], [law.tangential_peak]])
+    peaks = np.array([[law.normal_peak], [law.friction_size]])
     felt = (np.abs(traction - traction[:, :1]) > FELT * peaks).any(axis=0)
     back, moved = (places[1, _first(felt)] - least) * ahead, state.displacement.copy()
     moved[1:] += back[:, None]

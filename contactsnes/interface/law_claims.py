@@ -58,7 +58,8 @@ def check_sizes(law, name):
     """InputError where a law claims another size or less softening than its tractions have."""
     sampled = {"normal_peak": law._opened[0], "softening": law._opened[1],
                "barrier": law._opened[2],
-               "tangential_peak": law._slipped[0], "slip_softening": law._slipped[2]}
+               "tangential_peak": Law.tangential_peak.fget(law),
+               "slip_softening": law._slipped.softening}
     for what, found in sampled.items():
         claimed = getattr(law, what)
         wrong = (not claimed >= 0.99 * found - 1e-9 if what.endswith("softening")

@@ -1,9 +1,43 @@
-"""What is measured of the tractions of a law: how steeply they soften, and where they end."""
+"""What is measured of the tractions of a law: how steeply they soften, how large the friction
+is, and where they end."""
+
+from typing import NamedTuple
 
 import numpy as np
 
 NOTHING = 1e-9
 """Part of a law's peaks up to which there is no traction."""
+SAMPLES = 60001
+"""Slips at which friction is measured."""
+
+
+class Slipped(NamedTuple):
+    """The largest friction of a law, phi_t/delta_t, the least slip where it is and its steepest
+    fall with the slip; the overlap, in ranges, at which that was measured."""
+
+    peak: float
+    place: float
+    softening: float
+    overlap: float
+
+
+def slipped(law):
+    """What a law's friction is at no normal gap or, where it has none there, as Coulomb's, in an
+    overlap over which the repulsion grows by a factor e: a `Slipped`, its place 1 without friction.
+
+    Parameters
+    ----------
+    law : Law
+    """
+    slip = np.linspace(0.0, law.slip_range, SAMPLES)
+    for overlap in (0.0, law.repulsion):
+        gap = np.array([np.full_like(slip, -overlap), slip])
+        traction = law.traction(gap)[1]
+        if traction.max() > 0.0:
+            place = np.argmax(traction >= traction.max() * (1.0 - 1e-10))
+            fall = max(np.max(-law.tangent(gap)[1, 1]), 0.0)
+            return Slipped(float(traction[place]), float(slip[place]), float(fall), overlap)
+    return Slipped(0.0, 1.0, 0.0, 0.0)
 
 
 def softening(tangent):

@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 from contactsnes import Branch, Contact, Form, InputError, Load, Scene
+from contactsnes.branch.accuracy import Estimator
+from contactsnes.branch.advice import advice
 from contactsnes.interface import laws, own_laws
 from contactsnes.interface.laws.law import Law
 from contactsnes.interface.laws.mcgarry import McGarry
@@ -692,6 +694,54 @@ def test_a_law_without_friction_is_one():
     assert law.slip_peak == 1.0 and len(point.forces) == 2
     # what slips without resistance presses as one that does not couple
     assert point.forces.tolist() == pytest.approx([[*alone][-1].forces[0], 0.0], abs=1e-7)
+
+
+class Coulomb(Law):
+    """a exp(-a), and friction in proportion to the pressure."""
+
+    coefficient = option(0.3, "friction over pressure", minimum=0)
+    gap_corners = (0.0,)
+
+    def tractions(self, a, b):
+        normal = a * np.exp(-a)
+        return normal, (self.coefficient * np.maximum(-normal, 0.0)
+                        * np.where(b > 0, np.tanh(b / 0.1) / b, 10.0))
+
+
+def test_friction_that_is_there_under_pressure_only_is_measured_there():
+    law = Coulomb()
+    assert law.tangential_peak == 0.0 and law.friction_size == pytest.approx(0.3 * np.e)
+    assert 0.5 < law.slip_peak < 1.5  # where the hyperbolic tangent is one to 1e-10
+    assert law.slip_softening < 1e-12
+    assert Coulomb(0.0).friction_size == Coulomb(0.0).slip_peak == 1.0
+    assert Modified(0.3).friction_size == Modified(0.3).tangential_peak
+
+
+def test_errors_of_a_law_whose_friction_is_there_under_pressure_only():
+    branch = Branch(Scene(**SMALL), Load(path="normal_displacement=1; tangential_displacement=1"),
+                    law=Coulomb())
+    errors = [Estimator(branch.contact)(point) for point in branch]
+    assert errors[0].tangential_force == errors[0].slip == 0.0
+    assert np.isfinite([error.tangential_force for error in errors]).all()
+
+
+def test_advice_on_friction_that_is_there_under_pressure_only():
+    """It has no strength that theory could take."""
+    load = Load(path="normal_displacement=1; tangential_displacement=1")
+    scene = Scene(**SMALL, height=10.0)
+    for law, known in ((Coulomb(), False), (Sampled(), True)):
+        lines = "\n".join(advice(Branch(scene, load, law=law).scene, load, settings.Output(),
+                                 lambda value, unit, digits: f"{value:.3g} {unit}"))
+        assert "inf" not in lines
+        assert ("of the slip" in lines) == ("slip comes" in lines) == ("tau_max" in lines) == known
+
+
+def test_an_option_that_is_set_changes_what_was_measured():
+    law, other = Coulomb(), Coulomb(0.6)
+    before = law.friction_size, law.certain, law.softening, law.coupled_softening(1.0, 1.0)
+    law.coefficient = 0.6
+    assert law.friction_size == other.friction_size == 2.0 * before[0]
+    assert law.coupled_softening(1.0, 1.0) == other.coupled_softening(1.0, 1.0)
 
 
 def test_friction_that_drives_the_slip_is_refused():

@@ -13,11 +13,13 @@ import numpy as np
 
 from ..declared import Declared
 from ..formula import Formula, Tractions
-from ..law_measures import certain_gap, softening
+from ..law_measures import certain_gap, slipped, softening
 
 MADE = ("formula", "_evaluated", "evaluate", "normal")
 """Attributes that are made of all others: a formula, its programs, and compiled ones in their
 place."""
+MEASURED = ("_opened", "_slipped", "certain", "_coupled_softenings")
+"""Those that are measured of the tractions, once."""
 
 
 def slip_of(gap):
@@ -111,9 +113,9 @@ class Law(Declared):
         return Tractions(Formula(self))
 
     def __setattr__(self, name, value):
-        """Set an attribute; a formula with its old value is forgotten."""
+        """Set an attribute; what was made, or measured, with its old value is forgotten."""
         super().__setattr__(name, value)
-        for made in set(MADE) - {name}:
+        for made in set(MADE if name in MADE else MADE + MEASURED) - {name}:
             vars(self).pop(made, None)
 
     def __getstate__(self):
@@ -171,14 +173,8 @@ class Law(Declared):
 
     @cached_property
     def _slipped(self):
-        """Largest friction at no gap, the slip there (the least one; 1 without friction), and the
-        steepest fall of it."""
-        slip = np.linspace(0.0, self.slip_range, 60001)
-        gap = np.array([np.zeros_like(slip), slip])
-        traction, slope = self.traction(gap)[1], self.tangent(gap)[1, 1]
-        place = np.argmax(traction >= traction.max() * (1.0 - 1e-10))
-        return (float(traction[place]), float(slip[place]) if traction[place] > 0.0 else 1.0,
-                float(max(np.max(-slope), 0.0)))
+        """What `law_measures.slipped` finds."""
+        return slipped(self)
 
     @property
     def normal_peak(self):
@@ -192,13 +188,18 @@ class Law(Declared):
 
     @property
     def tangential_peak(self):
-        """Largest tangential traction at no normal gap, phi_t / delta_t."""
-        return self._slipped[0]
+        """Largest tangential traction at no normal gap, phi_t / delta_t; 0 of Coulomb's."""
+        return 0.0 if self._slipped.overlap else self._slipped.peak
+
+    @property
+    def friction_size(self):
+        """The same or, where that is 0, the largest one in overlap; 1 without friction."""
+        return self.tangential_peak or self._slipped.peak or 1.0
 
     @property
     def slip_peak(self):
         """Slip at the peak of the tangential traction, in ranges: beyond it a node has slipped."""
-        return self._slipped[1]
+        return self._slipped.place
 
     @property
     def softening(self):
@@ -208,7 +209,7 @@ class Law(Declared):
     @property
     def slip_softening(self):
         """Steepest fall of the friction with the slip, -dt_t/db, phi_t/delta_t^2."""
-        return self._slipped[2]
+        return self._slipped.softening
 
     def coupled_softening(self, normal_maugis, tangential_maugis):
         """Steepest softening of gap and slip together: minus the smallest real eigenvalue of the
