@@ -164,8 +164,9 @@ class Progress:
         lines = [f"  points        {self.points}" + (f" (after {known} of an earlier run)" if known
                                                      else "")]
         if self.stable.keys() & {0, 1}:
-            lines.append(
-                f"  stable        {self.stable.get(1, 0)} points, {self.stable.get(0, 0)} not")
+            unasked = self.stable.get(-1, 0)
+            lines.append(f"  stable        {self.stable.get(1, 0)} points, "
+                         f"{self.stable.get(0, 0)} not" + f", {unasked} not asked" * bool(unasked))
         lines += [f"  {'event':13} {event}" for event in self.events]
         if any(event.startswith("jump") for event in self.events):
             lost = ("not known" if math.isnan(self.lost)

@@ -55,9 +55,10 @@ def skipped(settings, branch):
         sentences.append(
             f"no tangential unknowns before leg {sheared.index(True)}, the first that needs them")
     if any(sheared) and not branch.contact.couples():
-        sentences.append("no elastic coupling of normal and tangential "
-                         "displacements: an incompressible layer this "
-                         "thick has none")
+        which = ("an incompressible layer this thick"
+                 if getattr(bodies.of(scene), "poisson", None) == 0.5 else "the body")
+        sentences.append("no elastic coupling of normal and tangential displacements: "
+                         f"{which} has none")
     if np.isnan(branch.contact.datum):
         sentences.append("no displacement of the body as a whole (nan): "
                          "that of a half-plane under a force has no bound")

@@ -34,6 +34,15 @@ def test_a_line_has_handy_units_in_its_heading():
     assert "490 µJ/m in jumps" in summary
 
 
+def test_points_whose_stability_is_not_known_count_as_neither():
+    load = Load(path="normal_displacement=1")
+    assert "stable" not in told(Scene(), load)[1]
+    assert "  stable        0 points, 1 not\n" in told(Scene(), load, stable=0)[1]
+    progress = Progress(Scene(), load, print, live=False)
+    progress.stable = {1: 2, 0: 1, -1: 24}
+    assert "  stable        2 points, 1 not, 24 not asked\n" in progress.summary(0)
+
+
 def test_rounding_is_shown_as_nothing():
     scene = Scene(dimension=2, points=32)
     load = Load(path="normal_displacement=1; tangential_displacement_x=200")

@@ -9,7 +9,9 @@ import pytest
 
 petsc4py.init([])
 
-from contactsnes import Body, Branch, InputError, Load, Scene, option  # noqa: E402
+from contactsnes import Body, Branch, Form, InputError, Load, Scene, Steps, option  # noqa: E402
+from contactsnes.commands.session import Settings  # noqa: E402
+from contactsnes.commands.summary import skipped  # noqa: E402
 from contactsnes.grid.cell import Grid  # noqa: E402
 from contactsnes.interface import bodies  # noqa: E402
 from contactsnes.interface.bodies.coated import Coated  # noqa: E402
@@ -189,6 +191,15 @@ class Graded(Body):
         """`Surface` compliance."""
         compliance = 2 / (np.asarray(wavenumber, dtype=float) + self.graded_rate)
         return Surface(compliance, compliance, compliance, 0 * compliance)
+
+
+def test_what_is_left_out_of_a_body_of_ones_own_is_not_told_of_a_layer():
+    load = Load(path="normal_displacement=1; tangential_displacement=1")
+    for body, has_none in ((Graded(), "the body"), (Layer(), "an incompressible layer")):
+        made = Branch(Scene(**LINE), load, body=body)
+        told, = (line for line in skipped(Settings(made.scene, Form(), load, Steps(), None), made)
+                 if "elastic coupling" in line)
+        assert f"displacements: {has_none}" in told
 
 
 def test_a_body_of_ones_own():
