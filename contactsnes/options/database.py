@@ -13,7 +13,7 @@ from pathlib import Path
 
 from .fields import COMMON, InputError, meant, nearest
 from .files import is_option, may_be_file, quoted, read_file, with_files
-from .solver_values import blamed, refuse_values, without_entries
+from .solver_values import blamed, nearest_usual, refuse_values, without_entries
 from .values import BOOLEANS, instance
 
 NESTS = r"(?:(?:npc|sub_\d+|fas_coarse|fas_levels(?:_\d+)?|first|jump|arc|error)_)"
@@ -209,8 +209,8 @@ def read(cls, prefix=""):
 
 
 def check_names(classes=()):
-    """InputError for names in the database under a prefix of ours, or one much like it, that no one
-    knows; each with the nearest.
+    """InputError for names in the database under a prefix of ours, or one much like it or like one
+    of PETSc's, that no one knows; each with the nearest.
 
     Parameters
     ----------
@@ -239,7 +239,7 @@ def check_names(classes=()):
             sentences += [f"-{name} is no option: did you mean -{guess}_{inner}?"] * bool(guess)
         elif not (head or inner.startswith(prefixes) or SOLVER.match(name)
                   or "-" + name in BEGINNING):
-            guess = nearest(name, names, cutoff=0.85)
+            guess = nearest_usual(name, names, NESTED)
             sentences += [f"-{name} is no option: did you mean -{guess}?"] * bool(guess)
     if sentences:
         raise InputError("; ".join(sentences))

@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 from typing import Callable, NamedTuple
 
-from .fields import InputError, number
+from .fields import InputError, nearest, number
 
 
 class Rule(NamedTuple):
@@ -54,6 +54,8 @@ RULES = {
     "ksp_richardson_scale": (POSITIVE, "1")}
 """Option, without the prefix of its solver -> its rule, and what to try. -snes_atol is in ranges of
 the law, of which one is no equilibrium."""
+USUAL = (*RULES, "snes_type", "snes_linesearch_type", "ksp_type", "pc_type")
+"""PETSc's options that one much like them is taken to be meant for."""
 VIEWERS = re.compile("(?:^|_)(?:view|monitor|reason|rate)(?:_|$)")
 """Names of options whose values say where something is written: kind of file, name, format."""
 WRITTEN = re.compile("(?:ascii|binary|hdf5|vtk)?:([^:,]+)")
@@ -71,6 +73,25 @@ UNUSABLE = {("snes_type", "aspin"): "it solves on subdomains, of which none are 
                             NO_ENTRIES)}
 """Option, without the prefix of its solver, and value with which PETSc would crash, or go on
 without end, in one version or another -> why: what else cannot be used it says itself."""
+
+
+def nearest_usual(name, names, nested):
+    """What a name that PETSc's solvers do not ask for is most likely meant for: another name, one
+    of their usual options, or such a one under the prefix of a solver inside others; empty where
+    nothing is much like it.
+
+    Parameters
+    ----------
+    name : str, without dash
+    names : iterable of str
+    nested : prefixes of solvers inside others, without their last stroke
+    """
+    inner = next((usual for usual in USUAL if name.endswith(f"_{usual}")), "")
+    if not inner:
+        return nearest(name, (*names, *USUAL), cutoff=0.85)
+    # others may have prefixes of their own, and those of blocks (-sub_) are not much like ours
+    head = nearest(name.removesuffix(f"_{inner}"), nested, cutoff=0.8)
+    return head and f"{head}_{inner}"
 
 
 def refuse_values(entries, nests):

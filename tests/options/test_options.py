@@ -485,7 +485,9 @@ MISSPELT = {"scxene_range_normal": "did you mean -scene_range_normal",
             "fas_levels_1_pc_core_widht": "-fas_levels_1_pc_core_width",
             "error_pc_core_widht": "-error_pc_core_width",
             "frist_snes_fire_growth": "did you mean -first_snes_fire_growth",
-            "mine_pc_core_widht": "did you mean -mine_pc_core_width"}
+            "mine_pc_core_widht": "did you mean -mine_pc_core_width",
+            "snse_atol": "did you mean -snes_atol?", "kps_rtol": "did you mean -ksp_rtol?",
+            "jmp_ksp_rtol": "did you mean -jump_ksp_rtol?"}
 REFUSED = {"jump_snes_regularised_stiffness": "0.1", "first_snes_fire_growth": "0.5",
            "sub_0_pc_core_threshold": "3", "fas_levels_2_pc_core_width": "wide"}
 
@@ -513,7 +515,8 @@ def test_values_under_nested_prefixes_are_refused(options, name):
 def test_names_under_prefixes_are_taken(options):
     options(first_snes_fire_growth="1.2", jump_snes_regularised_stiffness="0.3",
             sub_0_pc_core_width="4", mine_pc_core_width="4", jump_snes_atol="1e-9",
-            fas_levels_pc_core_threshold="0.2", my_snes_fire_growth="1.2")
+            fas_levels_pc_core_threshold="0.2", my_snes_fire_growth="1.2", my_ksp_rtol="0.1",
+            sub_pc_type="lu", mg_levels_ksp_max_it="2", ts_type="euler", tao_atol="1")
     bare_branch()
 
 
