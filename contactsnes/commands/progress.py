@@ -73,7 +73,8 @@ class Progress:
 
     def _units(self, scene, load):
         """Name -> (size, name of the unit with a prefix) of a column: in which the largest value
-        that the load names is a handy number or, where it names none, the scale of the scene."""
+        that the load names is a handy number, of it or of what is told beside it in the same unit,
+        forces and tangential displacements; where it names none, the scale of the scene."""
         known, largest = quantities(scene.dimension), {}
         legs = scene.legs(load) if load.path else ()
         for controls in (scene.initial(load), *(leg.controls for leg in legs)):
@@ -84,7 +85,10 @@ class Progress:
         for name in (*self.loads, "contact_area"):
             size, unit = scene.scale(known[name].unit if name in known
                                      else ("beta", "beta^2")[scene.dimension - 1])
-            found[name] = prefix((largest.get(name) or 1.0) * size, unit)
+            beside = (value for other, value in largest.items() if "normal_displacement" not in (
+                name, other) and other.split("_")[1] in name.split("_"))
+            typed = largest.get(name) or max(beside, default=0.0) or 1.0
+            found[name] = prefix(typed * size, unit)
         return found
 
     def _shown(self, row):

@@ -27,7 +27,7 @@ DERIVED = {"normal_maugis": "range_normal", "tangential_maugis": "range_tangenti
            "work_ratio": "work_of_adhesion_tangential"}
 """Dimensionless group of a scene -> what it follows from in SI."""
 
-PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+PREFIXES = {-18: "a", -15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 """Power of ten -> prefix of a unit in SI."""
 
 

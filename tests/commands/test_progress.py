@@ -34,6 +34,13 @@ def test_a_line_has_handy_units_in_its_heading():
     assert "490 µJ/m in jumps" in summary
 
 
+def test_forces_and_slips_stand_in_one_unit_beside_each_other():
+    """Those that the load names none of are told in that of the others, no scale of the scene."""
+    load = Load(path="normal_force=4e-3; tangential_displacement_x=2e-9")
+    lines, _ = told(Scene.typed(dimension=2, geometry="sphere", points=32, **SI), load)
+    assert lines[0].split()[1:7] == ["D/µm", "W/mN", "U_x/nm", "T_x/mN", "U_y/nm", "T_y/mN"]
+
+
 def test_points_whose_stability_is_not_known_count_as_neither():
     load = Load(path="normal_displacement=1")
     assert "stable" not in told(Scene(), load)[1]
