@@ -16,7 +16,7 @@ def cattaneo_line_stick_half_width(half_width, tangential_force, friction, perio
     scaled tractions), from Q = f [W(a) - W(s)]: s/a = sqrt(1 - Q/fW) (Cattaneo 1938; periodic by
     the superposition of Ciavarella 1998), exact for a normal load held while the force grows from
     nothing to at most fW. Needs friction in proportion to the pressure and no adhesion, which
-    neither cohesive law is.
+    no law of the package has.
 
     Parameters
     ----------
