@@ -1,9 +1,13 @@
-"""Weighted sums of states, from which a solve begins."""
+"""Weighted sums of states, from which a solve begins, and what leads much farther than they."""
 
 import numpy as np
 
 from ..kernels import points
 from .state import alike, spread, told_apart, weighted
+
+STEEP = 4.0
+"""How many times as far as states extrapolated at fixed nodes lead, or a range of the law, those
+that follow edges may lead from the last one on a rough surface, or where a spot is resized."""
 
 
 def combined(contact, states, weights):
@@ -50,3 +54,19 @@ def _combined(known, weights, changes, shares, initial_gap, floor):
         displacement += share * change.astype(float)
     np.maximum(displacement[0], floor - initial_gap, out=displacement[0])
     return displacement
+
+
+def leads_astray(contact, states, weights, ahead):
+    """Whether a state that follows edges leads much farther from the last one than states at fixed
+    nodes do: on a steep surface heights beside a node tell nothing of its own, and edges of a spot
+    that vanishes are foretold where they never are.
+
+    Parameters
+    ----------
+    contact, states, weights : as of `combined`
+    ahead : State, foretold from them
+    """
+    grid, _, (last, moved, *earlier) = alike(contact, [states[-1]], [ahead, *states[:-1]])
+    way, far = (grid.maximum(np.abs(values - last))
+                for values in (weighted([*earlier, last], weights), moved))
+    return far > STEEP * max(way, 1.0)

@@ -8,7 +8,7 @@ from ..grid.active import Nodes
 from ..grid.clusters import MOST
 from ..grid.windows import Window
 from ..kernels.splines import followed
-from .combining import combined, without_overlap
+from .combining import combined, leads_astray, without_overlap
 from .fronts import FAR, LEAST, followed_places, in_cohesive_lengths, may_be_lone, nodes_between
 from .state import State, alike, below, onto, spread, weighted
 from .states import NEAR, normal_gap, wider
@@ -17,9 +17,9 @@ from .survey import gaps_once
 STRETCH = 0.25
 """Part of its length by which a piece between ends of pressure and fronts may grow or shrink in a
 step: more of it changes than is stretched."""
-STEEP = 4.0
-"""How many times as far as states extrapolated at fixed nodes lead, or a range of the law, those
-that follow edges may lead from the last one on a rough surface."""
+RESIZED = 0.1
+"""Part of its extent by which a spot grows or shrinks in a step from which on that is looked at: as
+one of a long range does before it vanishes, whose edges move ever faster."""
 SUPPORT = 12
 """Nodes beyond a place on which the coefficients of a cubic spline there depend (by more than
 1e-7)."""
@@ -42,7 +42,9 @@ def follow_edge(contact, states, weights):
     weights : numbers, one a state
     """
     ahead = _ahead(contact, states, weights)
-    return None if ahead is None or _astray(contact, states, weights, ahead) else ahead
+    if ahead is None or not contact.convex and leads_astray(contact, states, weights, ahead):
+        return None
+    return ahead
 
 
 def _ahead(contact, states, weights):
@@ -69,23 +71,6 @@ def _follow_on_nodes(contact, states, weights):
     return ahead and State(window, ahead.displacement[:, window.places], ahead.means)
 
 
-def _astray(contact, states, weights, ahead):
-    """Whether a state that follows edges leads much farther from the last one than states at fixed
-    nodes do: on a steep surface heights beside a node tell nothing of its own.
-
-    Parameters
-    ----------
-    contact, states, weights : as of `follow_edge`
-    ahead : State
-    """
-    if contact.convex:
-        return False
-    grid, _, (last, moved, *earlier) = alike(contact, [states[-1]], [ahead, *states[:-1]])
-    way, far = (grid.maximum(np.abs(values - last))
-                for values in (weighted([*earlier, last], weights), moved))
-    return far > STEEP * max(way, 1.0)
-
-
 def _follow_spot(contact, states, weights):
     """The same for the one spot of a window of one box."""
     known = followed_places(contact, states)
@@ -103,7 +88,11 @@ def _follow_spot(contact, states, weights):
         ahead = followed(states, known, sites, contact.law.range, weights, places, target)
     if ahead is None:
         ahead = _followed(contact, states, nodes, known, weights, places, target)
-    return spread(nodes, ahead, weighted([state.means for state in states], weights))
+    ahead = spread(nodes, ahead, weighted([state.means for state in states], weights))
+    extents = [[line[-1] - line[0] for line in lines] for lines in (target, places[-1])]
+    resized = contact.convex and any(abs(there - here) > RESIZED * here
+                                     for there, here in zip(*extents))
+    return None if resized and leads_astray(contact, states, weights, ahead) else ahead
 
 
 def _followed(contact, states, nodes, known, weights, places, target):

@@ -16,7 +16,7 @@ from contactsnes.branch import coarse_motion, crossing  # noqa: E402
 from contactsnes.branch.coarser import resolving  # noqa: E402
 from contactsnes.branch.corrector import Corrector  # noqa: E402
 from contactsnes.branch.departure import Departure  # noqa: E402
-from contactsnes.contact import edges, fronts, states  # noqa: E402
+from contactsnes.contact import combining, fronts, states  # noqa: E402
 from contactsnes.contact.energies import stored  # noqa: E402
 from contactsnes.contact.problem import DISPLACEMENT, FORCE  # noqa: E402
 from contactsnes.continuation.points import (  # noqa: E402
@@ -482,6 +482,6 @@ def test_predictions_on_steep_planes_do_not_follow_edges_astray(monkeypatch):
     monkeypatch.setattr(fronts, "FILLED", 0.0)  # which leaves most of them out
     points = list(Branch(scene, load, log=said.append))
     assert len(points) == 22 and not any("failed" in sentence for sentence in said)
-    monkeypatch.setattr(edges, "STEEP", np.inf)
+    monkeypatch.setattr(combining, "STEEP", np.inf)
     list(Branch(scene, load, log=said.append))
     assert any("failed" in sentence for sentence in said)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from contactsnes import Branch, Load, Scene, Steps
+from contactsnes.contact import combining
 from contactsnes.contact.acceptance import detached, doubtful, strayed
 from contactsnes.contact.problem import Contact
 from contactsnes.contact.states import State
@@ -377,3 +378,19 @@ def test_a_bracket_holds_the_fold_of_a_body_that_is_sheared_through_a_soft_layer
              if point.event == "fold") for locate in (True, False))
     before, limit = bracketed.load[1], located.load[1]
     assert before <= limit <= before * (1.0 + bracketed.fold_precision)
+
+
+@pytest.mark.parametrize("values", [
+    dict(points=256, period=40.0, normal_maugis=0.3),
+    dict(points=32, period=16.0, normal_maugis=0.7, dimension=2, geometry="sphere")])
+def test_a_contact_of_a_long_range_that_vanishes_is_foretold(values, monkeypatch):
+    """Its edges move ever faster: followed, they would lead to where no solve ends, and step after
+    step would be refused."""
+    load, counts = Load(path="normal_displacement=2; normal_displacement=-12"), []
+    for steep in (combining.STEEP, inf):
+        monkeypatch.setattr(combining, "STEEP", steep)
+        said = []
+        points = list(Branch(Scene(**values, height=inf), load, log=said.append))
+        assert [point.event for point in points if point.event] == ["pull_off"]
+        counts.append(sum("failed" in sentence for sentence in said))
+    assert counts[0] == 0 and counts[1] > 2
