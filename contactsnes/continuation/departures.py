@@ -1,6 +1,9 @@
 """How a fold is left: motions from states beside it, in turn, until one leads to another
 equilibrium."""
 
+from contextlib import suppress
+from itertools import chain
+
 from .points import NoEquilibrium, NotConverged
 
 KICKS = (1.0, 3.0, -1.0, -3.0, 10.0, 30.0, -10.0, -30.0)
@@ -9,6 +12,12 @@ next if it leads back.
 
 Backwards, too: an unstable branch, which steps may have reached, is left on that side.
 """
+AHEAD = (0.01, 0.1, 1.0)
+"""Where all of these led back: how far beyond a fold, in parts of a step, the load is under which
+motion leads to a branch that may be nearer than they are, next to a nearly broken pitchfork."""
+NEXT, LEAST = 0.9, 2e-3
+"""Part of the way to that branch at which motion to it begins, and way, ranges of the law, below
+which solves do not tell it from the fold."""
 
 APART = 0.5
 """Part of the kick by which a motion has to end away from its fold not to have led back to it."""
@@ -68,8 +77,7 @@ def jumped(system, leg, fold, starts, where, check_end):
     system, leg, fold : System, Leg, Point
     starts : functions () -> State
     where : str, what messages say of the place
-    check_end : function () that raises NoEquilibrium if motion under the load of the leg's end
-        shows that there is none
+    check_end : function () that raises NoEquilibrium if motion shows that the leg's end has none
 
     Raises
     ------
@@ -80,8 +88,7 @@ def jumped(system, leg, fold, starts, where, check_end):
         # Under the load of a plateau a body that is on its way out moves hardly, or for ever.
         check_end()
     failures = []
-    for start in starts:
-        state = start()
+    for state in chain((start() for start in starts), _nearest(system, leg, fold, where)):
         try:
             point = system.settle(state, leg.controls, fold.load, where, fold.state)
         except (NotConverged, NoEquilibrium) as error:
@@ -99,6 +106,20 @@ def jumped(system, leg, fold, starts, where, check_end):
         check_end()
         failures.append("the motion led back")
     raise NotConverged(f"no other equilibrium was reached {where}: {failures[0]}")
+
+
+def _nearest(system, leg, fold, where):
+    """Yield the state at `NEXT` of the way from a fold to the branch at its load to which motion
+    under a load beyond it leads, if that is one."""
+    for part in AHEAD if fold.tangents else ():
+        position = fold.position + part * leg.initial
+        if position > 1.0:
+            return
+        with suppress(NotConverged, NoEquilibrium):
+            beyond = system.settle(fold.state, leg.controls, leg.load(position), where)
+            point = system.solve(beyond.state, leg.controls, fold.load)
+            if not point.softest < 0.0 and system.missed(fold.state, point.state) > LEAST:
+                yield system.extrapolate([fold, point], [1.0 - NEXT, NEXT])
 
 
 def _elsewhere(system, fold, start, found, check_end):

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from . import beside_folds
 from .leaps import leapt
 from .limit_points import FOLD_TOLERANCE, LimitPoint
 from .load_steps import SHARE
@@ -149,10 +150,8 @@ class FoldSearch:
                 arc[-2:], arc[-1] + length)
             guess = system.extrapolate(points, weights)
         point = self._solved((last.state, guess), guess, float(weights @ places))
-        if point.softest < 0.0 <= last.softest:
-            raise NotConverged(
-                "a mode lost its stability in an arc-length step, perhaps on another branch")
         aside, moved = system.ways(guess, last.state, point.state)
+        point = beside_folds.trusted(system, last, point, aside, moved)
         if (aside > MISSED and aside > SHARE * moved) \
                 or system.strayed(guess, last.state, point.state) > 0.0:
             raise NotConverged(f"the arc-length step ended {aside:.3g} ranges from "

@@ -14,6 +14,9 @@ softens so fast may be unstable there."""
 LESS = 0.75
 """Part of its value below which the softest mode has to come by the end of the step at that rate:
 one that is as soft all along a path, as of a sharp law it is, does not lose its stability."""
+SOFTENED = 0.8
+"""Part of its value below which the softest mode has to come in a first step, which no rate
+foretells."""
 SHORT = 0.05
 SOFTER = 0.7
 BACK = 0.5
@@ -59,7 +62,7 @@ def probe(system, leg, history, point):
             raise NotConverged("a mode that is stable at both ends of the step is "
                                f"{'hardly so' if known[position].softest > 0.0 else 'not'} at "
                                f"{system.told(leg.controls, leg.load(position))}")
-        if known[position].softest < SOFT:
+        if unknown or known[position].softest < SOFT:
             _lead_back(system, leg, known[pair[0]], pair[0], known[position], position)
 
 
@@ -76,7 +79,8 @@ def _softening(history, point):
     """(whether a mode may be unstable in a step, how soft it were at its end at the rate of the
     last step, nan where that is not known, the point before the step, if that is of the same
     branch, by its place); as of `probe`."""
-    (here, last), lower = history[-1], point.softest < SOFTER * history[-1][1].softest
+    here, last = history[-1]
+    lower = point.softest < (SOFTER if len(history) > 1 else SOFTENED) * last.softest
     if len(history) < 2:
         return lower or last.softest < SOFT, math.nan, {}
     before, first = history[-2]

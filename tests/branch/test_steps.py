@@ -169,6 +169,18 @@ def test_nearly_equal_bumps_meet_the_same_fold_in_steps_of_any_size(case, tmp_pa
         np.testing.assert_allclose(folds(found)[0, 0], load, atol=2e-5)
 
 
+def test_a_branch_next_to_a_fold_is_found_though_motion_from_beyond_it_leads_back(tmp_path):
+    """Two bumps that are the same to 1e-8: beside their nearly broken pitchfork the branch that
+    goes on is 0.05 ranges away, and kicks of a tenth and more led back, which ended the path."""
+    x = 2.0 * np.pi * np.arange(-64, 64) / 128
+    np.save(tmp_path / "two.npy", 0.7193921 * np.cos(2 * x) + 1.08e-8 * np.cos(x + 0.886715))
+    scene = {"points": 128, "period": 15.9997, "height": 20.0, "normal_maugis": 2.267914,
+             "geometry": "file", "geometry_file": str(tmp_path / "two.npy")}
+    points = walked(scene, "normal_displacement=0.43", 0.4, 0.4, "normal_displacement=0.38")
+    assert kinds(points) == [("fold", "jump_in"), ("jump", "")] and points[-1].position == 1.0
+    np.testing.assert_allclose(folds(points)[:, 0], 0.421016, atol=2e-6)
+
+
 def test_bumps_that_are_pulled_off_without_slip_do_not_go_on_unstable(tmp_path):
     """The grid resolves states that do not slip, but not all that this law has: unstable modes were
     counted nowhere, and steps of any size followed states in which two were. The folds are where

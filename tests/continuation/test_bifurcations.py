@@ -536,6 +536,17 @@ def test_a_mode_that_softens_in_a_long_first_step_is_looked_at_within_it(least, 
         assert len(system.attempts) == solves
 
 
+@pytest.mark.parametrize("slope, solves", [(0.15, 0), (0.25, 2)])
+def test_a_first_step_in_which_a_mode_softens_by_a_fifth_is_looked_at(slope, solves):
+    """... though it is far from losing its stability at both ends: no rate tells of it."""
+    system = of_stiffness(lambda load: 1.0 - slope * load)
+    leg = Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.9, 0.9, 1e-6)
+    first, point = at_loads(system, leg, 0.0, 1.0)
+    system.attempts.clear()
+    probe(system, leg, [(0.0, first)], point)
+    assert len(system.attempts) == solves
+
+
 @pytest.mark.parametrize("least, dip, refused, solves", [
     (-0.01, 0.8, "is not at", 2), (0.004, 0.7, "is hardly so at", 2), (0.04, 0.0, "", 2)])
 def test_a_first_step_from_where_a_mode_is_hardly_stable_is_looked_at(least, dip, refused, solves):
@@ -566,6 +577,18 @@ def test_where_a_mode_is_hardly_stable_within_a_step_the_tangent_leads_back_or_i
     system.along_tangent = (lambda begin, leg, position, step: begin.state + np.array(
         [step * (1.0 if begin is point else back), 0.0]))
     _, error = followed(probe(system, leg, [(0.1, first), (0.3, last)], point) for _ in range(1))
+    assert ("hardly leads back" in str(error)) is (back < 0.5)
+
+
+@pytest.mark.parametrize("back", [0.2, 1.0])
+def test_within_a_first_step_in_which_a_mode_softens_the_tangent_leads_back_or_it_jumped(back):
+    """... however stable the mode is where that is asked: behind the jump it is stiff again."""
+    system = of_stiffness(lambda load: 1.5 - load)
+    leg = Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.9, 0.9, 1e-6)
+    first, point = at_loads(system, leg, 0.0, 1.0)
+    system.along_tangent = (lambda begin, leg, position, step: begin.state + np.array(
+        [step * (1.0 if begin is point else back), 0.0]))
+    _, error = followed(probe(system, leg, [(0.0, first)], point) for _ in range(1))
     assert ("hardly leads back" in str(error)) is (back < 0.5)
 
 

@@ -972,6 +972,45 @@ def test_a_jump_leads_away_from_its_fold(end, back):
     assert "led back" in str(found) if back else found is None
 
 
+@pytest.mark.parametrize("end, softest, place, back", [
+    (0.05, np.nan, 0.5, False), (0.05, -0.1, 0.5, True), (-0.05, 0.1, 0.5, False),
+    (0.001, 0.1, 0.5, True), (0.05, 0.1, 0.9999, True)])
+def test_a_branch_nearer_to_a_fold_than_kicks_are_is_found_from_beyond(end, softest, place, back):
+    """As next to a nearly broken pitchfork: from kicks motion leads back, under a load beyond the
+    fold to a branch that is ``end`` away from it there. An unstable one, or one that solves do not
+    tell from the fold, is none, nor is there any beyond the end of the leg."""
+    class Beside(Landing):
+        def settle(self, state, controls, load, where, origin=None):
+            near = abs(state[0] - end) < 0.2 * abs(end) or load > leg.load(place)
+            return self._point(self.end if near else np.zeros(1), load, 3)
+
+    leg = replace(UNIT_LEG, initial=0.02)
+    system = Beside([end], softest=softest)
+    fold = replace(system._point(np.zeros(1), leg.load(place), 3), event="fold", position=place,
+                   tangents=(None,))
+    starts = departures.starts(system, fold, np.ones(1))
+    found, error = followed(departures.jumped(system, leg, fold, starts, "there", lambda: None)
+                            for _ in range(1))
+    assert "led back" in str(error) if back else found[0].state == pytest.approx([end])
+
+
+@pytest.mark.parametrize("end, length, modes, refused", [
+    (0.2, 0.1, 0, False), (0.2, 0.1, 1, True), (0.2, 0.1, -1, True), (0.215, 0.1, 0, True),
+    (0.2, 0.1, None, True), (0.05, -0.05, 1, False), (0.05, -0.05, 2, True)])
+def test_modes_that_an_arc_tells_of_are_counted_where_it_ends_as_foretold(end, length, modes,
+                                                                          refused):
+    """Its linear systems tell of unstable modes falsely where it turns into a soft one: one is, at
+    most, and only where the load falls."""
+    system = Landing([end], softest=-0.2)
+    if modes is not None:
+        system.examiner = lambda point: replace(point, unstable_modes=modes)
+    trail = [(place, point.changed(position=place, softest=0.1))
+             for place, point in system.points([0.0], [0.1])]
+    search = FoldSearch(system, UNIT_LEG, trail)
+    found, error = followed(search._at(trail[1], trail[0], length) for _ in range(1))
+    assert "lost its stability" in str(error) if refused else found[0].softest == 0.0
+
+
 def test_the_walk_starts_a_leg_next_to_its_fold():
     """With a single point to go from, the search makes its second one by a tiny step."""
     start = CUBIC_FOLD * (1.0 - 1e-5)
