@@ -33,7 +33,7 @@ def slipped(law):
     for overlap in (0.0, law.repulsion):
         gap = np.array([np.full_like(slip, -overlap), slip])
         traction = law.traction(gap)[1]
-        if traction.max() > 0.0:
+        if traction.max() > NOTHING * law.normal_peak:  # what else there is, is rounding
             place = np.argmax(traction >= traction.max() * (1.0 - 1e-10))
             fall = max(np.max(-law.tangent(gap)[1, 1]), 0.0)
             return Slipped(float(traction[place]), float(slip[place]), float(fall), overlap)

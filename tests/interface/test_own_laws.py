@@ -715,6 +715,10 @@ def test_friction_that_is_there_under_pressure_only_is_measured_there():
     assert law.slip_softening < 1e-12
     assert Coulomb(0.0).friction_size == Coulomb(0.0).slip_peak == 1.0
     assert Modified(0.3).friction_size == Modified(0.3).tangential_peak
+    rounded = type("Rounded", (Coulomb,), {"tractions": lambda self, a, b: Coulomb.tractions(
+        self, a - 1e-17 * (a <= 0), b)})()
+    assert rounded.traction(np.array([[0.0], [1.0]]))[1, 0] > 0.0
+    assert rounded.tangential_peak == 0.0 and rounded.friction_size == law.friction_size
 
 
 def test_errors_of_a_law_whose_friction_is_there_under_pressure_only():
