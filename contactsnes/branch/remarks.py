@@ -41,7 +41,7 @@ class Remarks:
 
     def marked(self, point):
         """A point with what by-products tell of its stability; from now on the last one."""
-        point = self._neutral(self._not_held(self._not_stable(point)))
+        point = self._neutral(self._not_held(self._going_on(self._not_stable(point))))
         self.last = point
         self._tell_of_dilution(point)
         return point
@@ -135,6 +135,14 @@ class Remarks:
                   f"stable: {modes} modes are unstable; -continuation_stability "
                   "sign certifies points, and follows jumps on")
         return replace(point, stable=0, unstable_modes=modes)
+
+    def _going_on(self, point):
+        """A point marked, if nobody checks stability, where the last one of its leg was not stable
+        and its linear solves tell of an unstable mode, too."""
+        last = self.last
+        on = (last is not None and last.leg == point.leg and last.stable == 0
+              and not (last.event or point.event))
+        return point.changed(stable=0) if on and point.stable < 0 and point.softest < 0.0 else point
 
     def _not_held(self, point):
         """A point marked where the force that moves does not hold the body, if nobody checks

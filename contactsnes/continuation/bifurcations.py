@@ -2,6 +2,7 @@
 limit there, and what follows."""
 
 import math
+from collections import Counter
 from dataclasses import replace
 
 from . import beside_folds
@@ -56,11 +57,17 @@ def examined(system, certify, leg, last, point):
     point = point if point.stable >= 0 else certify(point)
     if math.isnan(point.softest):
         point = point.changed(softest=last[1].softest)
-    if last[1].stable < 0 <= point.stable:
-        last = last[0], certify(last[1])
+    begun = last[1]
+    if begun.stable < 0 <= point.stable or (
+            begun.unstable_modes > 0 < point.unstable_modes
+            and not (begun.unstable_parities or begun.event)):  # one of an archive
+        last = last[0], certify(begun)
     point = _counted(certify, last[1], point)
     if system.examiner and point.stable < 0 and point.softest < 0.0 and not last[1].softest < 0.0:
-        if not _doubt(system, leg, last, point):
+        unstable = _doubt(system, leg, last, point)
+        if unstable > 0:
+            point = point.changed(stable=0, unstable_modes=unstable)
+        elif unstable == 0:
             point = point.changed(softest=0.0)  # the next point is asked, too
     return point, between(system, certify, leg, last, (point.position, point))
 
@@ -99,12 +106,12 @@ def _doubt(system, leg, last, point):
 
     before = system.examiner(last[1])
     after = _counted(system.examiner, before, system.examiner(point))
+    change = after.unstable_modes - before.unstable_modes
+    passed = between(system, system.examiner, leg, (last[0], before), (point.position, after))
     if min(before.unstable_modes, after.unstable_modes) > 0:
         system.log(f"the branch is not stable at {place(last[0])}: a fold "
                    "or a bifurcation was passed before; -continuation_stability "
                    "certifies points")
-    change = after.unstable_modes - before.unstable_modes
-    passed = between(system, system.examiner, leg, (last[0], before), (point.position, after))
     if min(before.unstable_modes, after.unstable_modes) == 0 and change % 2 == 0 and change:
         system.log(f"{abs(change)} modes of the branch change their sign between {place(last[0])} "
                    f"and {place(point.position)}: -continuation_stability certifies its points")
@@ -131,9 +138,15 @@ def between(system, stability, leg, before, after):
     """
     after = beside_folds.reached(system, stability, leg, before, after)
     fewer, more = sorted((before[1].unstable_modes, after[1].unstable_modes))
-    found = []
+    found, long = [], abs(after[0] - before[0]) > SINGLED * leg.initial
     if fewer < 0:
         return found
+    if _exchanged(before[1], after[1]):
+        sentence = ("modes of one symmetry lose their stability, and others regain it, "
+                    f"{_told_between(system, leg, before, after)}")
+        if long:
+            raise NotConverged(sentence)
+        system.log(sentence)
     if before[1].event == "bifurcation" and fewer < more:
         # A path that goes on from an archive: one of the modes that change is that of its last
         # point.
@@ -146,7 +159,6 @@ def between(system, stability, leg, before, after):
                 continue
             point = _root(system, stability, leg, [before, after], index)
         except NotConverged as error:
-            long = abs(after[0] - before[0]) > SINGLED * leg.initial
             if _parts(error, before[1], after[1]) or long and not isinstance(error, Neutral):
                 raise NotConverged(f"{sentence}: {error}") from None
             system.log(f"{sentence}: {error}")
@@ -174,11 +186,25 @@ def _parts(error, first, last):
     return isinstance(error, Apart) or bool(changed % 2 and not isinstance(error, Neutral))
 
 
+def _exchanged(one, other):
+    """Whether more modes change from one point to another than their number tells: of one mirror
+    symmetry some become unstable, of another one stable."""
+    each = [Counter(point.unstable_parities) for point in (one, other)]
+    known = all(of.total() == point.unstable_modes and not any(0 in parity for parity in of)
+                for of, point in zip(each, (one, other)))
+    return known and bool(each[0] - each[1] and each[1] - each[0])
+
+
 def _not_located(system, leg, before, after):
     """The begin of a sentence on a change of unstable modes without a bifurcation."""
-    first, last = (system.told(leg.controls, leg.load(position)) for position, _ in (before, after))
     return (f"unstable modes change from {before[1].unstable_modes} to {after[1].unstable_modes} "
-            f"between {first} and {last}, but no bifurcation was located there")
+            f"{_told_between(system, leg, before, after)}, but no bifurcation was located there")
+
+
+def _told_between(system, leg, before, after):
+    """Where something is between two (position, Point), in words."""
+    first, last = (system.told(leg.controls, leg.load(position)) for position, _ in (before, after))
+    return f"between {first} and {last}"
 
 
 def _fades(stability, point, index):

@@ -123,6 +123,9 @@ class Point:
         by-product: below zero where a mode is unstable; nan where they tell nothing
     stable, unstable_modes : 1 or 0, and how many modes are not; -1 where nobody asked, the second
         also where modes were not found
+    unstable_parities : of each of them (of a fold its own, too), whether it is even (1), odd (-1)
+        or neither (0) about the apex in each direction, tuples; empty ones where mirror images of
+        the gap differ, and empty where modes were not looked for
     leading_eigenvalue, mode : of overdamped motion, the smallest real part, and its mode as a state
         (``contactsnes.dynamics.stability``)
     units : 'displacement' and 'force' -> (size, name) of each component's unit in what the scene is
@@ -162,6 +165,7 @@ class Point:
     softest: float = np.nan
     stable: int = -1
     unstable_modes: int = -1
+    unstable_parities: tuple = ()
     leading_eigenvalue: complex = complex(np.nan, np.nan)
     mode: object = None
     units: dict = field(default_factory=dict)

@@ -17,11 +17,13 @@ half-plane, whose response to a force has no end, is that of a cell with the per
 
 import numpy as np
 
+from ..contact import states
 from ..contact.even_form import EvenForm
 from ..contact.forms import DisplacementForm
 from ..contact.problem import APPROACH, DISPLACEMENT, FORCE
 from ..contact.states import State
 from ..contact.symmetry import EVEN
+from ..grid.mirrors import centred
 from ..grid.parity import UNEVEN
 from ..kernels.modes import CompiledMotion
 from ..kernels.zones import CompiledZone
@@ -30,6 +32,9 @@ from ..solvers.preconditioners import zone
 
 LONG = 1000.0
 """Period, beta, of the cell whose response stands for that of a half-plane."""
+ALIKE = 0.8
+"""Part of its square that a mode and its mirror image have in common from which on it counts as
+even or odd: states next to bifurcations are so to 1e-6 or less, and their modes with them."""
 
 
 class Overdamped:
@@ -194,20 +199,45 @@ def symmetries(contact, state):
     A body in front of a mirror has its displacement along that direction reversed; where normal and
     tangential displacements are not coupled, tangential ones may be reversed besides.
     """
-    components = len(state.displacement)
     window = state.window
     found, largest = [], window.grid.maximum
     gap = window.take(contact.initial_gap)[None]
     for axis in range(len(window.shape)):
-        signs = np.ones(components)
-        signs[1 + axis:2 + axis] = -1.0
-        tried = [signs] if components == 1 or contact.couples() else [np.append(1.0, -signs[1:]),
-                                                                      signs]
         even = largest(np.abs(gap - mirrored(window, gap, axis, (1.0,)))) <= UNEVEN
-        found += [(axis, tuple(signs)) for signs in tried if even
-                  and largest(np.abs(state.displacement - mirrored(
+        found += [(axis, signs) for signs in _reversed(contact, len(state.displacement), axis)
+                  if even and largest(np.abs(state.displacement - mirrored(
                       window, state.displacement, axis, signs))) <= EVEN][:1]
     return found
+
+
+def _reversed(contact, components, axis):
+    """Signs of each component in mirror images that may leave states as they are, by a direction:
+    tuples, the one of states that are sheared along it first."""
+    signs = np.ones(components)
+    signs[1 + axis:2 + axis] = -1.0
+    alone = components == 1 or contact.couples()
+    return [tuple(each) for each in ([signs] if alone else [np.append(1.0, -signs[1:]), signs])]
+
+
+def parities_of(contact, mode):
+    """Whether a mode is even (1), odd (-1) or neither (0) under the mirror image about the apex in
+    each direction, a tuple, as nearly as states come to being even; empty where the gap is not.
+
+    Parameters
+    ----------
+    contact : Contact
+    mode : State, on one box of the cell
+    """
+    if not contact.unevenness <= UNEVEN:
+        return ()
+    window, grid = centred(mode.window), contact.grid
+    field = states.onto(mode, window)
+    found, square = [], grid.together(np.sum(field ** 2))
+    for axis in range(len(window.shape)):
+        image = mirrored(window, field, axis, _reversed(contact, len(field), axis)[0])
+        alike = grid.together(np.sum(field * image))
+        found.append(int(np.sign(alike)) * int(abs(alike) > ALIKE * square))
+    return tuple(found)
 
 
 def evened(state, axes):

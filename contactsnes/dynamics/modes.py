@@ -75,14 +75,14 @@ def leading_modes(operator, start=(), accurate=ACCURATE, number=0, neutral=NEUTR
     NotConverged : where residuals stay large
     """
     alone = getattr(operator, "shared", None) is None
-    if alone and operator.size <= DENSE:
-        return [_all_modes(operator, number)]
     space = Space(operator, number)
+    if alone and operator.size <= DENSE:
+        return _all_modes(space, number)
     found = _searched(space, start, accurate, number, neutral)
     if found is not None:
         return found
     if alone and operator.size <= LARGEST_DENSE:
-        return [_all_modes(operator, number)]
+        return _all_modes(space, number)
     modes = joined(space.modes())
     raise NotConverged("the modes of the point were not found: eigenvalue "
                        f"{modes.leading:.3g}, residual {modes.residuals[0]:.1g} after "
@@ -255,10 +255,14 @@ def _inaccurate(modes, accurate, last, crowded):
     return not np.all((modes.residuals <= allowed)[counts])
 
 
-def _all_modes(operator, number):
-    """All modes by a dense matrix, whatever their symmetry; of the stable ones the first, and those
-    up to a ``number``."""
-    unit, occupied = np.eye(operator.size), _occupied(operator)
-    unit = unit if occupied is None else unit[occupied]
-    images = np.array([operator.apply(one) for one in unit])
-    return projected(unit, images, unit @ images.T, 1, number)
+def _all_modes(space, number):
+    """All modes by dense matrices, one of each symmetry: of the stable ones the first, and those up
+    to a ``number``."""
+    operator, by, occupied, found = space.operator, space.by, _occupied(space.operator), []
+    for symmetry, length in enumerate(by.lengths):
+        unit = np.eye(length)
+        unit = unit if occupied is None else unit[by.parts(occupied)[symmetry]]
+        images = np.array([by.parts(operator.apply(by.whole(symmetry, one)))[symmetry]
+                           for one in unit])
+        found.append(space.whole(symmetry, projected(unit, images, unit @ images.T, 1, number)))
+    return found

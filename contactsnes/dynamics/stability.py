@@ -17,7 +17,7 @@ from ..options.database import read
 from ..options.fields import InputError
 from ..solvers.capabilities import asked, has_modes
 from ..solvers.core_zone import CoreOptions
-from .linearised import Overdamped, evened, symmetries
+from .linearised import Overdamped, evened, parities_of, symmetries
 from .modes import ACCURATE, leading_modes, oriented, soft, summed
 from .parted import Parted
 from .projection import joined
@@ -85,7 +85,7 @@ class Stability:
             unstable -= int(modes.real_parts()[np.argmin(np.abs(modes.real_parts()))] < -NEUTRAL)
         self._leave_symmetry(modes)
         found = point.changed(stable=int(modes.leading.real > NEUTRAL and point.event != "fold"),
-                              unstable_modes=unstable)
+                              unstable_modes=unstable, unstable_parities=self._parities(modes))
         return found if self.kind == SIGN else self._with_leading(found, modes, 0)
 
     def _counted(self, point, accurate):
@@ -120,6 +120,15 @@ class Stability:
         """The point with an eigenvalue and its mode."""
         mode = self._operator.state(oriented(modes.vectors[number], self._operator))
         return replace(point, leading_eigenvalue=modes.told(number), mode=mode)
+
+    def _parities(self, modes):
+        """Those of the unstable modes, as of `Point.unstable_parities`."""
+        operator = self._operator
+        if len(operator.window.parts) > 1 or self.system.symmetry.scatters(operator.components):
+            return ()
+        return tuple(parities_of(self.contact, operator.state(oriented(vector, operator)))
+                     for value, vector in zip(modes.values, modes.vectors)
+                     if value.real < -NEUTRAL for _ in range(1 + (value.imag > 0.0)))
 
     def _leave_symmetry(self, modes):
         """Take no state for even any more where an unstable mode is not."""

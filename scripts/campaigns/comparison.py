@@ -102,10 +102,11 @@ def _events(story, common):
 
 
 def _before_the_end(story, events):
-    """Events without the fold whose point is also the one with the event that ended the path:
-    shorter steps may have met that event, and ended, before the fold."""
+    """Events without the fold whose point is also the one with the event that ended the path, as
+    `-load_stop` asks: shorter steps may have met that event, and ended, before the fold."""
     last = story.count - 1
-    if story.path["event"][last] in (*EXACT, "none"):
+    ending = story.path.options.get("load_stop", "none").split(",")
+    if story.path["event"][last] in EXACT or story.path["event"][last] not in ending:
         return events
     return [(name, point) for name, point in events
             if name[1] != "fold" or not np.array_equal(story.values(point), story.values(last))]

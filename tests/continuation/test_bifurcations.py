@@ -413,6 +413,29 @@ def test_all_modes_that_change_in_a_step_are_found(second):
     assert [point.unstable_modes for point in found] == [0, 1] and points[-1].unstable_modes == 2
 
 
+def test_modes_of_two_symmetries_that_change_in_turn_are_found_both():
+    """The number of unstable modes is the same at both ends of a step in which one of each symmetry
+    changes, and a fold was passed so."""
+    class Symmetric(Dense):
+        def __call__(self, point):
+            values, vectors = self._modes(point)
+            of = np.argmax(np.abs(vectors[values < 0.0]), axis=1).tolist()
+            return replace(super().__call__(point),
+                           unstable_parities=tuple(((1,), (-1,))[number - 1] for number in of))
+
+    slopes = np.array([1.0, -1.0])
+    stiffness = lambda load: slopes * (load - np.array([0.53, 0.66]))
+    problem = Problem(lambda x, load: np.append(x[0] - load, x[1:] * stiffness(load)),
+                      lambda x, load: np.diag(np.append(1.0, stiffness(load))),
+                      lambda x, load: np.append(-1.0, x[1:] * slopes))
+    system = System(problem)
+    points, error = followed(path(system, (0.0, 1.0), (0.0,) * 3, certify=Symmetric(system),
+                                  sizes=(0.4, 0.4, 1e-6)))
+    found = [point for point in points if point.event == "bifurcation"]
+    assert error is None and points[-1].unstable_modes == 1
+    assert [point.load[-1] for point in found] == pytest.approx([0.53, 0.66], rel=1e-8)
+
+
 @pytest.mark.parametrize("places, counts", [((0.3, 0.3), [0]), ((0.3, 0.3, 0.31), [0, 2]),
                                             ((0.3, 0.31, 0.31), [0, 1])])
 def test_modes_that_change_at_once_are_one_bifurcation_whatever_rounding_makes_of_them(places,
@@ -756,6 +779,31 @@ def test_of_two_spots_that_are_nearly_equal_the_lower_one_lets_go(spots, stabili
             assert Cell(made.contact, point).eigenvalues()[0].real > 0.0
         assert abs(Cell(made.contact, fold).eigenvalues()[0].real) < 1e-4
     assert ahead[1] / ahead[0] == pytest.approx(10.0 ** (2.0 / 3.0), rel=0.05)
+
+
+@pytest.mark.parametrize("stability", ["off", "sign"])
+def test_two_spots_that_let_go_do_not_go_over_their_fold_where_they_were_unstable(tmp_path,
+                                                                                  stability):
+    """The odd mode of two spots that share a pull, unstable where the path begins, has become
+    stable again where the even one lets go: in one step as many modes were unstable at its end,
+    which was on another branch (a force of -8.72 in place of -7.25)."""
+    places, file = (np.arange(48) - 24) / 48, tmp_path / "two.npy"
+    np.save(file, 0.782 * np.cos(4 * np.pi * places) - 4.33e-5 * np.cos(2 * np.pi * places))
+    scene = Scene(points=48, period=60.0, normal_maugis=0.929, geometry="file",
+                  geometry_file=str(file), poisson=0.5, height=np.inf, residual_friction=0.62,
+                  residual_adhesion=0.7, tangential_maugis=0.435)
+    ends = []
+    for step in (1.43, 0.1):
+        points, error = followed(Branch(scene, Load(start="normal_displacement=-1.5",
+                                                    path="normal_displacement=-2.86"),
+                                        Steps(initial_step=step, largest_step=step,
+                                              stability=stability), Form()))
+        assert error is None
+        ends.append([(point.event, *point.load, *point.forces) for point in points
+                     if point.event in ("fold", "jump") or point is points[-1]])
+    assert [event for event, *_ in ends[0]] == ["fold", "jump", None]
+    for one, other in zip(*ends, strict=True):
+        assert one[0] == other[0] and one[1:] == pytest.approx(other[1:], abs=1e-5)
 
 
 def test_a_flat_layer_parts_in_waves():

@@ -190,7 +190,7 @@ def test_paths_that_end_elsewhere_do_not_agree(worker, tmp_path):
 class Told(comparison.Story):
     """A story of made events, on one leg."""
 
-    def __init__(self, *events):
+    def __init__(self, *events, stop="gross_sliding"):
         self.count = len(events)
         self.legs, self.names = np.ones(self.count, int), ["tangential_displacement"]
         self.events = [point for point, (event, _) in enumerate(events) if event != "none"]
@@ -198,6 +198,7 @@ class Told(comparison.Story):
                                  tangential_displacement=[load for _, load in events],
                                  dissipated_work=[0.0])
         self.path.legs, self.path.dimension = [{0: ("force", 1.0), 1: ("displacement", 1.0)}], 0
+        self.path.options = {"load_stop": stop}
 
 
 def test_an_event_that_ends_a_path_may_come_before_the_fold_that_longer_steps_reach():
@@ -208,6 +209,13 @@ def test_an_event_that_ends_a_path_may_come_before_the_fold_that_longer_steps_re
     apart = Told(("none", 2.0), ("fold", 2.5), ("jump", 2.5), ("gross_sliding", 3.2))
     assert "events" in comparison.compare(apart, Told(("none", 2.0), sliding))[0]
     assert "events" in comparison.compare(late, Told(("none", 2.0), ("none", 4.0)))[0]
+
+
+def test_a_fold_that_ends_a_path_is_one_whatever_event_comes_with_it():
+    late = Told(("none", 2.0), ("fold", 3.2), ("gross_sliding", 3.2), stop="none")
+    assert comparison.compare(late, Told(("gross_sliding", 3.0), ("fold", 3.2), stop="none")) == []
+    assert "events" in comparison.compare(late, Told(("gross_sliding", 3.0), ("none", 3.1),
+                                                     stop="none"))[0]
 
 
 
