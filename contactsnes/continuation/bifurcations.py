@@ -142,11 +142,7 @@ def between(system, stability, leg, before, after):
     if fewer < 0:
         return found
     if _exchanged(before[1], after[1]):
-        sentence = ("modes of one symmetry lose their stability, and others regain it, "
-                    f"{_told_between(system, leg, before, after)}")
-        if long:
-            raise NotConverged(sentence)
-        system.log(sentence)
+        _tell_of_exchange(system, leg, before, after, long)
     if before[1].event == "bifurcation" and fewer < more:
         # A path that goes on from an archive: one of the modes that change is that of its last
         # point.
@@ -193,6 +189,16 @@ def _exchanged(one, other):
     known = all(of.total() == point.unstable_modes and not any(0 in parity for parity in of)
                 for of, point in zip(each, (one, other)))
     return known and bool(each[0] - each[1] and each[1] - each[0])
+
+
+def _tell_of_exchange(system, leg, before, after, long):
+    """Say that modes of two symmetries change; NotConverged for a long step, which may have gone
+    over a fold."""
+    sentence = ("modes of one symmetry lose their stability, and others regain it, "
+                f"{_told_between(system, leg, before, after)}")
+    if long:
+        raise NotConverged(sentence)
+    system.log(sentence)
 
 
 def _not_located(system, leg, before, after):
