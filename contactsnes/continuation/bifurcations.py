@@ -141,8 +141,7 @@ def between(system, stability, leg, before, after):
     found, long = [], abs(after[0] - before[0]) > SINGLED * leg.initial
     if fewer < 0:
         return found
-    if _exchanged(before[1], after[1]):
-        _tell_of_exchange(system, leg, before, after, long)
+    _refuse_exchange(system, leg, before, after, long)
     if before[1].event == "bifurcation" and fewer < more:
         # A path that goes on from an archive: one of the modes that change is that of its last
         # point.
@@ -191,9 +190,11 @@ def _exchanged(one, other):
     return known and bool(each[0] - each[1] and each[1] - each[0])
 
 
-def _tell_of_exchange(system, leg, before, after, long):
-    """Say that modes of two symmetries change; NotConverged for a long step, which may have gone
-    over a fold."""
+def _refuse_exchange(system, leg, before, after, long):
+    """NotConverged where modes of two symmetries change in a long step, which may have gone over a
+    fold; a short one is told."""
+    if not _exchanged(before[1], after[1]):
+        return
     sentence = ("modes of one symmetry lose their stability, and others regain it, "
                 f"{_told_between(system, leg, before, after)}")
     if long:
