@@ -19,6 +19,8 @@ arc length finds out."""
 MISSED = 0.1
 """Ranges of the law that a solve by arc length may end from its prediction whatever its way: less
 than for steps of the load, whose predictions are less exact next to a fold."""
+FINE = 0.003
+"""Length of a step, ranges of the law, below which loads hang on what solves leave: `tight`."""
 STEADY = 0.7
 """Part of the slope of the load before a step that is left after it where no fold is near: a slope
 that falls linearly vanishes after more than two further steps of that length."""
@@ -160,8 +162,8 @@ class FoldSearch:
 
     def _solved(self, chord, guess, position):
         """The point at the end of a chord of two states, near a guess and its position."""
-        return self.system.solve_arc(chord, self.system.chord_length(*chord), guess, position,
-                                     self.leg)
+        length = self.system.chord_length(*chord)
+        return self.system.solve_arc(chord, length, guess, position, self.leg, tight=length < FINE)
 
     def _natural(self, trail, target):
         """The point at a given place of the leg, between two of a trail that is refined until a

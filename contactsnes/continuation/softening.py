@@ -14,9 +14,9 @@ softens so fast may be unstable there."""
 LESS = 0.75
 """Part of its value below which the softest mode has to come by the end of the step at that rate:
 one that is as soft all along a path, as of a sharp law it is, does not lose its stability."""
-SOFTENED = 0.8
+SOFTENED, FURTHER = 0.8, 3.0
 """Part of its value below which the softest mode has to come in a first step, which no rate
-foretells."""
+foretells, and way of such a step, ranges of the law, from which on it need not."""
 SHORT = 0.05
 SOFTER = 0.7
 BACK = 0.5
@@ -32,8 +32,8 @@ def probe(system, leg, history, point):
     where it would not be at the rate of the last step, solves in between tell whether it loses its
     stability and regains it; where they find it hardly stable, the tangent there has to lead back,
     too. In a long step which no rate foretells, as a first one, they are asked where it has
-    softened, or was hardly stable where the step began, and one at which it is hardly stable, and
-    less so than at both ends, will do.
+    softened, or was hardly stable where the step began, in a very long one always; one at which it
+    is hardly stable, and less so than at both ends, or that hardly leads back, will do.
 
     Parameters
     ----------
@@ -41,12 +41,10 @@ def probe(system, leg, history, point):
     history : [(position, Point), ...] of the leg, before the point
     point : Point
     """
-    (here, last), (softened, ahead, earlier) = history[-1], _softening(history, point)
+    (here, last), (softened, ahead, earlier) = history[-1], _softening(system, history, point)
     if not softened or min(last.softest, point.softest) < 0.0:
         return
     known, far = {here: last, point.position: point}, system.missed(last.state, point.state)
-    if len(history) < 2 and far <= LONG:
-        return
     if far > SHORT:
         _lead_back(system, leg, last, here, point, point.position)
     unknown = math.isnan(ahead)
@@ -71,18 +69,21 @@ def _lead_back(system, leg, last, here, point, position):
     ``here``."""
     back = system.along_tangent(point, leg, position, here - position)
     if system.progress(point.state, last.state, back) < BACK:
-        raise NotConverged("a mode softened, and the branch at "
+        raise NotConverged("a jump may lie in the step: the branch at "
                            f"{system.told(leg.controls, leg.load(position))} hardly leads back")
 
 
-def _softening(history, point):
+def _softening(system, history, point):
     """(whether a mode may be unstable in a step, how soft it were at its end at the rate of the
     last step, nan where that is not known, the point before the step, if that is of the same
     branch, by its place); as of `probe`."""
     here, last = history[-1]
     lower = point.softest < (SOFTER if len(history) > 1 else SOFTENED) * last.softest
     if len(history) < 2:
-        return lower or last.softest < SOFT, math.nan, {}
+        far = system.missed(last.state, point.state)
+        # (of a body that slides as a whole no mode is known)
+        return ((lower or last.softest < SOFT) and far > LONG
+                or far > FURTHER and last.softest + point.softest > 0.0), math.nan, {}
     before, first = history[-2]
     ahead = last.softest + (last.softest - first.softest) * (point.position
                                                              - here) / (here - before)

@@ -559,11 +559,12 @@ def test_a_mode_that_softens_in_a_long_first_step_is_looked_at_within_it(least, 
         assert len(system.attempts) == solves
 
 
-@pytest.mark.parametrize("slope, solves", [(0.15, 0), (0.25, 2)])
-def test_a_first_step_in_which_a_mode_softens_by_a_fifth_is_looked_at(slope, solves):
+@pytest.mark.parametrize("slope, way, solves", [(0.15, 1.0, 0), (0.25, 1.0, 2), (0.0, 8.0, 2)])
+def test_a_first_step_in_which_a_mode_softens_by_a_fifth_or_that_is_long_is_looked_at(slope, way,
+                                                                                      solves):
     """... though it is far from losing its stability at both ends: no rate tells of it."""
     system = of_stiffness(lambda load: 1.0 - slope * load)
-    leg = Leg(1, ("displacement",), np.zeros(1), np.ones(1), 0, 0.9, 0.9, 1e-6)
+    leg = Leg(1, ("displacement",), np.zeros(1), np.full(1, way), 0, 0.9, 0.9, 1e-6)
     first, point = at_loads(system, leg, 0.0, 1.0)
     system.attempts.clear()
     probe(system, leg, [(0.0, first)], point)

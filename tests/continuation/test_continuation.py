@@ -1011,6 +1011,21 @@ def test_modes_that_an_arc_tells_of_are_counted_where_it_ends_as_foretold(end, l
     assert "lost its stability" in str(error) if refused else found[0].softest == 0.0
 
 
+@pytest.mark.parametrize("length, tight", [(0.1, False), (1e-3, True)])
+def test_short_steps_of_an_arc_are_solved_to_more_digits(length, tight):
+    """Next to a nearly broken pitchfork their loads would be those of what solves leave."""
+    class Telling(System):
+        def solve_arc(self, *given, tight=False, **others):
+            self.tight = tight
+            return super().solve_arc(*given, tight=tight, **others)
+
+    system = Telling(cubic())
+    trail = [(place, system._point(np.array([u]), np.array([place]), 3).changed(position=place))
+             for u in (-0.8, -0.75) for place in (u ** 3 - u,)]
+    FoldSearch(system, UNIT_LEG, trail)._at(trail[1], trail[0], length)
+    assert system.tight is tight
+
+
 def test_the_walk_starts_a_leg_next_to_its_fold():
     """With a single point to go from, the search makes its second one by a tiny step."""
     start = CUBIC_FOLD * (1.0 - 1e-5)
