@@ -13,6 +13,7 @@ from ..dynamics.relaxing import nearer
 from ..grid.active import Nodes
 from ..scene.load import units
 from ..solvers.capabilities import of_snes, tolerated
+from ..solvers.convergence import norm_at_end
 from ..solvers.precision import PATIENCE, trusted
 from ..solvers.regularised import step_from_afar
 from ..solvers.ritz import stirred
@@ -116,6 +117,7 @@ class Corrector(Equations):
         turned, form.precision.allowed = form.precision.turned, trusted(form, near)
         if newton and most_iterations and not form.bounded:
             snes.setTolerances(max_it=most_iterations)
+        form.last_norm = None
         solve(snes, form, unknown)
         if form.precision.turned > turned == 0:
             self.log(TURNED)
@@ -130,7 +132,7 @@ class Corrector(Equations):
         if reason <= 0:
             inner = KSP_REASONS.get(snes.getKSP().getConvergedReason(), "none")
             raise NotConverged(f"SNES {SNES_REASONS.get(reason, reason)} after {iterations} "
-                               f"iterations, residual {snes.getFunctionNorm():.2e}, inner "
+                               f"iterations, residual {norm_at_end(snes, form):.2e}, inner "
                                f"KSP {inner}")
         # (those of other methods say nothing about the length of a step)
         return unknown, iterations if newton else 0
@@ -147,7 +149,8 @@ class Corrector(Equations):
         """
         snes = self.snes if snes is None else snes
         found = self._imbalance(form, state, snes)
-        tolerance, own = snes.getTolerances()[1], snes.getFunctionNorm()
+        tolerance = snes.getTolerances()[1]
+        own = norm_at_end(snes, form if system is None else system)
         if own <= tolerance < found.norm <= 2.0 * tolerance:
             # The two differ by rounding: a little more accuracy is kept than was asked for.
             snes.setTolerances(atol=0.5 * tolerance)

@@ -19,6 +19,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from ..branch.first_points import cold
+from ..contact.balance import TOLERANCE
 from ..continuation.points import NoEquilibrium, NotConverged
 from ..options.database import install, petsc_sentence, read
 from ..scene.settings import Form
@@ -102,6 +103,8 @@ class Comparison:
         self.log(f"reference: {len(self.targets)} points, residual_norm at most {worst:.1e}"
                  + (f"; the path ends there: {self.path_failure}" if self.path_failure else ""))
         unstable = sum(target.is_unstable() for target in self.targets)
+        if unequal := self._unequal():
+            self.log(unequal)
         if unstable:
             self.log(f"of these {unstable} are not stable: methods that move as bodies do leave "
                      "them, and what such a method finds counts as another branch")
@@ -119,6 +122,15 @@ class Comparison:
                 save()
             self.passes = number
         save()
+
+    def _unequal(self):
+        """Which methods stop at another imbalance than the one that ratios are to, in words; ''
+        where none does."""
+        asked = {method.name: float({**self.given, **method.entries}.get("snes_atol", TOLERANCE))
+                 for method in self.methods}
+        others = [f"{name} at {atol:g}" for name, atol in asked.items() if atol != asked[self.base]]
+        return (f"terms are not equal: {self.base} stops at -snes_atol {asked[self.base]:g}, "
+                f"{', '.join(others)}") if others else ""
 
     def _time_slow(self, method, seconds):
         """Take the first pass of a method for the timed one if it took too long for others."""

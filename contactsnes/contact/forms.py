@@ -112,10 +112,6 @@ class DisplacementForm:
         """Number of products with the Jacobian so far."""
         return self._products + (self.kernel.structure.products if self.kernel else 0)
 
-    def count_evaluation(self):
-        """Count a residual that is made of the form's parts."""
-        self._evaluations += 1
-
     def set_load(self, load):
         """Set the controlled values: D, U in u_n,r, u_t,r or W, T in w_n,r, w_t,r, by
         ``controls``."""

@@ -21,7 +21,7 @@ from ..interface import bodies, laws, shapes
 from ..interface.gap import gap_of_heights, is_convex, over_nodes
 from ..interface.own_shapes import gap_on
 from ..kernels.choice import chosen
-from ..options.arguments import of_class, sealed, unpicklable
+from ..options.arguments import alone, of_class, sealed, unpicklable
 from ..scene.parts import with_parts
 from ..scene.scene import Scene, changed
 from .keeping import kept
@@ -71,7 +71,7 @@ class Contact:
 
     Raises
     ------
-    InputError : for heights that do not fit the grid
+    InputError : for heights that do not fit the grid, or a gap that is given twice
     AttributeError : where an attribute is to be changed
     """
 
@@ -80,6 +80,7 @@ class Contact:
 
     def __init__(self, scene, heights=None, counter=None, *, gap=None, law=None, grid=None,
                  geometry=None, body=None, kernels=None):
+        alone(heights=heights, gap=gap, geometry=geometry)
         scene = with_parts(of_class("scene", scene, Scene), law, geometry, body)
         self.scene = scene if heights is None else _of_heights(scene, heights)
         self.grid = Grid(scene.shape, scene.periods, counter) if grid is None else grid
@@ -295,6 +296,5 @@ def _of_heights(scene, heights):
     """The scene of heights given in place of its geometry, which is then that of a file; InputError
     where they do not fit."""
     over_nodes("heights have", heights, scene)
-    if shapes.of(scene).gridded:
-        return scene
-    return replace(scene, geometry="file", geometry_file="heights given as an array")
+    return scene if shapes.of(scene).gridded else replace(
+        scene, geometry="file", geometry_file="heights given as an array")

@@ -34,6 +34,14 @@ def of_class(name, value, cls, meant=""):
     return value
 
 
+def alone(**given):
+    """Nothing; InputError where more than one of several arguments, by name, is not None."""
+    names = [name for name, value in given.items() if value is not None]
+    if len(names) > 1:
+        raise InputError(f"{' and '.join(names)} are given, of which each would do: give one of "
+                         "them")
+
+
 def whole(name, value, meant):
     """A value that is a whole number, an int; InputError for one that is not.
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import operator
+import os
 import re
 from functools import lru_cache
 from typing import ClassVar
@@ -107,6 +108,7 @@ def _single(value, rule):
     kind = rule["kind"]
     if isinstance(value, str) and value == "inf" and rule["infinite"]:  # as help and files write it
         value = math.inf
+    value = os.fspath(value) if kind == "text" and isinstance(value, os.PathLike) else value
     own_type = {"flag": bool, "text": str}.get(kind)
     if not isinstance(value, own_type) if own_type else isinstance(value, (bool, str, bytes)):
         raise TypeError

@@ -68,6 +68,15 @@ def measured(snes, form):
     return form.last_norm
 
 
+def norm_at_end(snes, form):
+    """``residual_norm`` where a SNES ended, as far as its own test knows it.
+
+    Its test measures a norm that is not that of F; `Corrector.run` forgets what it measured before.
+    """
+    measured_last = form.last_norm if measured_apart(snes, form) else None
+    return snes.getFunctionNorm() if measured_last is None else measured_last
+
+
 def displacement_test(snes, iteration, norms, form):
     """The convergence test by ``residual_norm``, where the norm of PETSc's own vector F is another.
 

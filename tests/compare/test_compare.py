@@ -120,6 +120,14 @@ def test_errors_follow_the_tolerance():
     assert coarse.errors[0] > 1e4 * fine.errors[0]
 
 
+def test_methods_that_stop_elsewhere_are_told_of():
+    loose = Method("loose", {"snes_atol": "1e-3"})
+    _, said = compared(NEWTON, loose, path="normal_displacement=hold")
+    assert "terms are not equal: newton stops at -snes_atol 1e-08, loose at 0.001" in said
+    assert not any("not equal" in sentence
+                   for sentence in compared(NEWTON, WHOLE, path="normal_displacement=hold")[1])
+
+
 def test_counts(plain):
     """Where relations between counts are known, they hold: products and residuals cost what the
     forms say."""

@@ -289,6 +289,15 @@ BOTH = pytest.mark.parametrize("options", [{"height": math.inf}, {"poisson": 0.3
                                ids=["incompressible", "coupled"])
 
 
+@pytest.mark.parametrize("twice", itertools.combinations(("heights", "gap", "geometry"), 2))
+def test_a_gap_is_given_once(twice):
+    """None of two is left aside without a word."""
+    scene = Scene(points=64, period=20.0, normal_maugis=1.0)
+    given = {"heights": np.zeros(64), "gap": np.ones(64), "geometry": np.abs}
+    with pytest.raises(InputError, match=" and ".join(twice)):
+        Contact(scene, **{name: given[name] for name in twice})
+
+
 @BOTH
 def test_solution_is_an_equilibrium_of_both_forms(options, tight):
     contact, points = points_of(Scene(**SMALL, **options), SHEARED)

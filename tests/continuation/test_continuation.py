@@ -37,6 +37,7 @@ from contactsnes.continuation.points import (
     without_frames,
 )
 from contactsnes.continuation.predictors import PREDICTORS
+from contactsnes.continuation.predictors.predictor import Predictor, through
 from contactsnes.continuation.steppers import TracedSteps
 
 CUBIC_FOLD = 2.0 / (3.0 * np.sqrt(3.0))
@@ -463,6 +464,21 @@ def test_large_moves_along_a_straight_branch_are_no_trouble(predictor):
     """A state that moves far in a step is no other branch: nothing is to be refused here."""
     system = System(explicit(lambda load: 30.0 * load, lambda load: 30.0))
     points, error = followed(path(system, [0.0, 1.0], [0.0], predictor=predictor))
+    assert error is None and system.sentences == [] and len(points) <= 24
+
+
+def test_a_polynomial_through_one_point_is_no_prediction(monkeypatch):
+    """What moves far in a first step is refused off a prediction alone: a predictor of one's own
+    has none before its second point."""
+    class Cubic(Predictor):
+        order = 4
+
+        def state(self, system, points, places, place, tangent=None):
+            return through(system, points[-4:], places[-4:], place)
+
+    monkeypatch.setitem(PREDICTORS, "cubic", Cubic())
+    system = System(explicit(lambda load: 30.0 * load, lambda load: 30.0))
+    points, error = followed(path(system, [0.0, 1.0], [0.0], predictor="cubic"))
     assert error is None and system.sentences == [] and len(points) <= 24
 
 

@@ -6,6 +6,7 @@ import os
 import random
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -303,6 +304,12 @@ def test_wrong_types_are_named_with_value_and_what_is_allowed(petsc, cls, name, 
     sentence = str(error.value)
     assert (f"-contactsnes_w_{cls.prefix}{name}" in sentence and text in sentence
             and "allowed is" in sentence and "\n" not in sentence)
+
+
+def test_paths_may_be_objects():
+    assert Scene(geometry="file", geometry_file=Path("maps") / "h.npy").geometry_file \
+        == str(Path("maps") / "h.npy")
+    assert Form(cache=Path("kept")) == Form(cache="kept")
 
 
 def test_names_are_not_case_sensitive(petsc):

@@ -227,6 +227,18 @@ def test_reasons_of_a_failure_are_named(options):
         solved()
 
 
+def test_failures_tell_the_norm_that_was_tested(options):
+    """In the force form F is an imbalance of forces, whose norm is compared with no tolerance."""
+    options(snes_max_it="1")
+    made = corrector("force")
+    guess = states.undeformed(made.contact, (DISPLACEMENT,), [4.0])
+    with pytest.raises(NotConverged) as failure:
+        made.solve(guess, (DISPLACEMENT,), np.array([4.0]), 200)
+    told = float(re.search(r"residual (\S+),", str(failure.value))[1])
+    assert told == pytest.approx(made.form.last_norm, rel=0.01)
+    assert told != pytest.approx(made.snes.getFunctionNorm(), rel=0.1)
+
+
 def test_reasons_of_the_linear_solver_are_named(options):
     options(ksp_max_it="1", ksp_rtol="1e-10")
     with pytest.raises(NotConverged,

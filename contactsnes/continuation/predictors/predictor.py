@@ -36,13 +36,16 @@ class Predictor:
 
 
 def through(system, points, places, place):
-    """The state at a place by the polynomial through points, each component on its own.
+    """The state at a place by the polynomial through points, each component on its own; of a single
+    one its state itself, by which steps know that nothing was foretold.
 
     Parameters
     ----------
     system : System
     points, places, place : as of `Predictor.state`
     """
+    if len(points) == 1:
+        return points[0].state
     return system.extrapolate(points, lagrange_weights(places, place))
 
 

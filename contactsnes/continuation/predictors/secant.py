@@ -10,6 +10,4 @@ class Secant(Predictor):
 
     def state(self, system, points, places, place, tangent=None):
         """As of `Predictor.state`."""
-        if len(points) == 1:
-            return points[-1].state
         return through(system, points[-2:], places[-2:], place)
