@@ -91,8 +91,11 @@ def stored(contact, point):
     """
     survey, state = contact.survey(point.state), point.state
     grid = contact.grid if state.half is None else state.half.grid
+    # (of the tractions themselves: what a prescribed force misses them by would do work on all of
+    # a long slip)
+    forces = contact.load_factor(state.components) * survey.total
     elastic = 0.5 * weights(contact, state.components) @ (
-        point.forces * far_displacements(contact, point) - grid.node_area * survey.work)
+        forces * far_displacements(contact, point) - grid.node_area * survey.work)
     interfacial = potential(contact, state)
     return float(elastic), np.nan if interfacial is None else interfacial
 

@@ -101,6 +101,15 @@ def test_elastic_energy_is_that_of_all_waves(name):
     assert numbers[-1]["elastic_energy"] == pytest.approx(energy + springs, rel=1e-6)
 
 
+def test_a_force_that_tractions_miss_by_the_tolerance_stores_nothing_on_a_long_slip():
+    contact, (*_, point), (*_, numbers) = points({"points": 64, "normal_maugis": 0.7},
+                                                 "normal_displacement=1.5; "
+                                                 "tangential_displacement=4000", step=4e3)
+    assert numbers["mean_tangential_displacement"] > 3000.0
+    missed = point.changed(forces=point.forces + np.array([0.0, 1e-6]))
+    assert stored(contact, missed)[0] == pytest.approx(stored(contact, point)[0], abs=1e-8)
+
+
 @pytest.mark.parametrize("law, decoupled", ((Modified(0.3, 0.2), True), (Modified(1.0), True),
                                             (McGarry(), False)))
 def test_tractions_are_derivatives_of_the_potential_where_there_is_one(law, decoupled):
