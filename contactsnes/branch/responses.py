@@ -1,7 +1,6 @@
 """How a contact responds at a point: linear solves with the Jacobian there."""
 
 import numpy as np
-from petsc4py import PETSc
 
 from ..contact import states
 from ..contact.even_form import EvenForm
@@ -13,7 +12,7 @@ from ..continuation.points import NotConverged
 from ..solvers import callbacks
 from ..solvers.capabilities import asked
 from ..solvers.krylov import tell_modes
-from ..solvers.linear import exact_jacobian
+from ..solvers.linear import end_by_residual, exact_jacobian
 from ..solvers.precision import pays
 from ..solvers.snes import KSP_REASONS, create_snes, idle, kept
 from .corrector import Corrector
@@ -23,6 +22,8 @@ PART = 2 ** 14
 """Nodes that are moved at a time."""
 EXACT = 1e-8
 """Relative tolerance of the linear solve for a direction, on which the place of a fold depends."""
+BY_RESIDUAL = "CONVERGED_RTOL", "CONVERGED_ATOL", "CONVERGED_HAPPY"
+"""How the reasons begin for which a KSP ends by its residual: others tell nothing of it."""
 MUCH = 0.2
 """Residual of a direction, over the direction itself, that is too much, however small it is beside
 the right side."""
@@ -128,8 +129,7 @@ class Responses(Corrector):
         ksp.setOperators(matrix)
         ksp.setTolerances(rtol=tolerance, atol=1e-50)
         tell_modes(ksp, False)
-        if kind == PETSc.KSP.Type.PREONLY:  # good enough for the method, but no tangent
-            ksp.setType("fgmres")
+        end_by_residual(snes)
         vectors = idle(snes, form)
         right(vectors[0].getArray())
         callbacks.solve(ksp, vectors)
@@ -147,9 +147,9 @@ class Responses(Corrector):
         ksp.setTolerances(rtol=tolerances[0], atol=tolerances[1])
         tell_modes(ksp, True)
         snes.setUseEW(forcing)
-        if ksp.getConvergedReason() < 0 and tolerance <= EXACT:
-            raise NotConverged(
-                f"no direction of the branch: KSP {KSP_REASONS[ksp.getConvergedReason()]}")
+        reason = KSP_REASONS.get(ksp.getConvergedReason(), "none")
+        if tolerance <= EXACT and not reason.startswith(BY_RESIDUAL):
+            raise NotConverged(f"no direction of the branch: KSP {reason}")
         if form.grid.any(~np.isfinite(change)):
             raise NotConverged("no direction of the branch: it is infinite")
         return change

@@ -7,7 +7,7 @@ from . import callbacks
 from .krylov import set_defaults
 from .operators import Jacobian
 from .precision import Precision, pays
-from .snes import kept
+from .snes import TRUST, kept
 from .vectors import communicator, create_operator
 
 
@@ -53,3 +53,16 @@ def exact_jacobian(snes, form):
         return create_operator(form, Jacobian(form))
     matrix.assemble()
     return matrix
+
+
+def end_by_residual(snes):
+    """Have the KSP of a SNES end by its residual, for a linear solve between two of the SNES.
+
+    One application of a preconditioner is good enough for the method, but no tangent; and PETSc
+    leaves the test of a trust region in a KSP, which ends where its solution leaves that region.
+    """
+    ksp = snes.getKSP()
+    if ksp.getType() == PETSc.KSP.Type.PREONLY:
+        ksp.setType("fgmres")
+    if snes.getType() in TRUST:
+        ksp.setConvergenceTest(None)

@@ -519,3 +519,20 @@ def test_an_attraction_that_ends_is_a_fold_for_steps_of_any_length(at_fold):
             assert error is None and points[-1].load[0] == 0.1
             reached.append(points[-1].displacements[0])
     np.testing.assert_allclose(reached, reached[:1] * len(reached), rtol=1e-7)
+
+
+@pytest.mark.parametrize("method", [
+    {"snes_type": "newtontrdc"},
+    {"ksp_type": "richardson", "ksp_norm_type": "none", "ksp_max_it": "5"}])
+def test_folds_lie_where_they_do_however_the_linear_solves_of_a_method_end(options, method):
+    """A trust region, or a number of iterations, is no accuracy of the branch's direction."""
+    def loads():
+        points, _ = solved(Branch(Scene(points=128, period=20.0, normal_maugis=3.0, height=20.0),
+                                  Load("normal_displacement=1", "normal_displacement=-4"),
+                                  Steps(at_fold="trace", stability="sign")))
+        return [point.load[0] for point in folds(points)]
+
+    usual = loads()
+    options(**method)
+    found = loads()
+    assert len(usual) == 2 and found == pytest.approx(usual[:len(found)], rel=1e-8)
