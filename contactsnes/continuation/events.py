@@ -84,7 +84,5 @@ def further_events(previous, point):
 
 
 def pulled_off(point):
-    """Whether a point is the fold beyond which a force that is prescribed pulls the body off: one
-    that still presses it leaves it in contact, on which it slides away."""
-    return (point.event == "fold" and point.fold_kind == "pull_off"
-            and point.controls[0] == "force" and not point.forces[0] > 0.0)
+    """Whether a point is the fold beyond which a force that is prescribed pulls the body off."""
+    return point.event == "fold" and point.fold_kind == "pull_off" and point.controls[0] == "force"

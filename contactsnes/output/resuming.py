@@ -152,8 +152,8 @@ def events_of(state):
     """Names of the events that the last point of a path counts as, by its state: a fold beyond
     which a force pulls the body off is a pull-off, too."""
     event = state.get("event")
-    forced, force = (np.ravel(state.get(name, 0.0))[0] for name in ("forced", "forces"))
-    pulled = event == "fold" and state.get("fold_kind") == "pull_off" and forced and force <= 0.0
+    pulled = (event == "fold" and state.get("fold_kind") == "pull_off"
+              and np.any(np.ravel(state.get("forced", False))[:1]))
     return (event, "pull_off") if pulled else (event,)
 
 

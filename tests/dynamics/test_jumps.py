@@ -691,18 +691,6 @@ def test_a_fold_under_a_force_is_the_pull_off_that_a_path_stops_at():
                                 stop="gross_sliding")))
 
 
-def test_a_pressed_body_that_slides_away_is_not_pulled_off():
-    """A path that was to stop at pull-off ended well, at a force that presses."""
-    scene = Scene(points=128, period=20.0, normal_maugis=2.0, height=float("inf"),
-                  residual_friction=0.3)
-    points = []
-    with pytest.raises(NoEquilibrium, match="slides without end"):
-        points.extend(Branch(scene, Load(start="normal_displacement=6", stop="pull_off",
-                                         path="tangential_force=4.5; normal_force=-5")))
-    assert (points[-1].event, points[-1].fold_kind) == ("fold", "pull_off")
-    assert points[-1].forces[0] > 1.0 and points[-1].in_contact
-
-
 ROUGH = {"period": 24.0, "points": 256, "height": float("inf"), "tangential": "off",
          "geometry": "file"}
 

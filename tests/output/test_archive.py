@@ -480,14 +480,6 @@ def test_what_a_complete_path_has_more_to_offer(event, before, now, more):
     assert resuming.has_more(before, now, (event,)) is more
 
 
-@pytest.mark.parametrize("force, events", [(-1.0, ("fold", "pull_off")), (1.0, ("fold",))])
-def test_a_fold_under_a_force_that_presses_is_no_pull_off(force, events):
-    """A path to which it was one would not be gone on with."""
-    assert resuming.events_of({"event": "fold", "fold_kind": "pull_off",
-                               "forced": np.array([True, False]),
-                               "forces": np.array([force, 0.0])}) == events
-
-
 def test_modes_may_be_kept_from_some_point_on(tmp_path):
     path = tmp_path / "run.h5"
     append(Archive.create(path, **fields_content("all")), 2)
