@@ -79,4 +79,7 @@ def _along(steps, emitted, stops):
     except NoEquilibrium:
         if not ("pull_off" in stops and pulled_off(emitted[-1])):
             raise
+        if emitted[-1].forces[0] > 0.0:
+            steps.system.log("the path ends at a fold of kind pull_off, but the normal force still "
+                             "presses the body there: it slides away in contact")
         steps.stopped = True

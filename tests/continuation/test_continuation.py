@@ -930,6 +930,15 @@ def test_a_search_for_a_fold_goes_back_before_the_jump_that_it_led_across():
     assert passed is None and fold.state[0] == pytest.approx(-3 ** -0.5, abs=1e-6)
 
 
+@pytest.mark.parametrize("failures, way", [(0, 0.1), (1, 0.1), (2, 0.05)])
+def test_a_search_leaves_edges_in_place_where_following_them_failed_twice(failures, way):
+    """They run away from a spot that is just born, here twice as far, however short a step is."""
+    system, leg, trail = places_on(STEEP, 0.4, 0.5)
+    system.follow_edge = lambda points, weights: points[-1].state + 0.1
+    point = FoldSearch(system, leg, trail)._ahead(trail, 0.05, failures)
+    assert point.state[0] == pytest.approx(0.5 + way, abs=0.01)
+
+
 @pytest.mark.parametrize("here, length", [(0.0, 0.2), (0.01, 0.2), (0.8, 0.1)])
 def test_a_search_for_a_fold_begins_with_the_last_step_but_short_of_the_refused_one(here, length):
     """Also where the last two points are under the same load, as slip that jumps leaves them."""

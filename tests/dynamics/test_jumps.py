@@ -889,3 +889,13 @@ def test_nodes_that_are_looked_at_a_few_at_a_time_tell_what_all_of_them_tell(eve
     found = acceptance._suspects(branch.contact, *known)
     assert np.array_equal(found[0], nodes)
     assert found[1] == pytest.approx(released, rel=1e-9)
+
+
+def test_of_a_pressed_body_that_slides_away_at_a_pull_off_it_is_told():
+    scene = Scene(points=128, period=20.0, normal_maugis=2.0, height=float("inf"),
+                  residual_friction=0.3)
+    told = []
+    *_, last = Branch(scene, Load(start="normal_displacement=6", stop="pull_off",
+                                  path="tangential_force=4.5; normal_force=-5"), log=told.append)
+    assert (last.event, last.fold_kind) == ("fold", "pull_off") and last.forces[0] > 1.0
+    assert sum("slides away in contact" in sentence for sentence in told) == 1
