@@ -5,7 +5,6 @@ import gc
 import importlib
 import os
 import platform
-import re
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -17,8 +16,8 @@ from ..branch.grid_choice import TooLarge, chosen, on
 from ..contact.balance import CONVERGENCE
 from ..interface import shapes
 from ..options.database import check_names, check_values, database, petsc_arguments, read
-from ..options.fields import InputError, meant
-from ..options.files import entries, located, refuse_circles
+from ..options.fields import InputError
+from ..options.files import entries, refuse_circles
 from ..options.help import help_text
 from ..options.solver_values import VIEWERS, refuse_unwritable
 from ..options.words import asks_for_help
@@ -160,7 +159,6 @@ def check_solvers():
     check_values(solver_options())
     _check_viewers()
     own_solvers.check()
-    _check_types()
 
 
 def _check_viewers():
@@ -173,31 +171,6 @@ def _check_viewers():
         for name in filter(VIEWERS.search, database()):
             PETSc.Options().delValue(name)  # for some of them PETSc opens files when it ends
         raise
-
-
-def _check_types():
-    """InputError for a type of PETSc's solvers that an option names and that PETSc has not."""
-    from petsc4py import PETSc
-
-    for name, text in database().items():
-        found = re.search("(?:^|_)(snes|ksp|pc)_type$", name)
-        if not found:
-            continue
-        kind = getattr(PETSc, found[1].upper())
-        solver = kind().create(PETSc.COMM_SELF)
-        try:
-            solver.setType(text)
-        except PETSc.Error:
-            types = [known for word, known in vars(kind.Type).items()
-                     if not word.startswith("_") and known != text]
-            told = f"is '{text}', a type that PETSc has not here" if text else "has no value"
-            method = Path(located(f"{text}.opts"))
-            like = (f": the file {method.name} is that method, name it in place of the option"
-                    if os.path.isfile(method) and f"-{name}" in method.read_text(encoding="utf-8")
-                    else meant(text, types, ": leave it out for the usual one"))
-            raise InputError(f"-{name} {told}{like}") from None
-        finally:
-            solver.destroy()
 
 
 def create_branch(settings, log=lambda sentence: None):

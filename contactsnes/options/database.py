@@ -13,7 +13,7 @@ from pathlib import Path
 
 from .fields import COMMON, InputError, meant, nearest
 from .files import is_option, may_be_file, quoted, read_file, with_files
-from .solver_values import blamed, nearest_usual, refuse_values, without_entries
+from .solver_values import blamed, nearest_usual, refuse_types, refuse_values, without_entries
 from .values import BOOLEANS, instance
 
 NESTS = r"(?:(?:npc|sub_\d+|fas_coarse|fas_levels(?:_\d+)?|first|jump|arc|error)_)"
@@ -31,7 +31,6 @@ SOLVER = re.compile(NESTS + r"*(snes|ksp|pc)_")
 
 LISTED = ": contactsnes run -help names those that there are"
 """How a sentence about a name ends that is like none."""
-
 SOURCE = re.compile(r" # \(source: [a-z ]+\)$")
 """What newer PETSc appends to an option, where its value came from."""
 
@@ -252,10 +251,12 @@ def _head(name, prefixes):
 
 
 def check_values(classes):
-    """InputError for a value in the database that a dataclass of options refuses, or PETSc's
-    solvers cannot use; none of them counts as used."""
+    """InputError for values in the database that no one can use; none of them counts as used."""
+    from petsc4py import PETSc
+
     entries, own = database(), tuple(cls.prefix for cls in classes)
     refuse_values(entries, NESTS)
+    refuse_types(entries, PETSc)
     for head in sorted({_head(name, own) for name in entries if not name.startswith(own)} | {""}):
         for cls in classes:
             if any(name.startswith(head + cls.prefix) for name in entries):

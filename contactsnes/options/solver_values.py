@@ -7,7 +7,8 @@ import re
 from pathlib import Path
 from typing import Callable, NamedTuple
 
-from .fields import InputError, nearest, number
+from .fields import InputError, meant, nearest, number
+from .files import located
 
 
 class Rule(NamedTuple):
@@ -180,3 +181,32 @@ def blamed(sentence, entries, is_solver):
               if is_solver(name) and text and words & {text, *text.split(",")}]
     named = any(f"-{name}" in sentence for name in entries)
     return f"{'; '.join(guilty)}: {sentence}" if guilty and not named else sentence
+
+
+def refuse_types(entries, PETSc):
+    """InputError for a type of PETSc's solvers that an option names and that PETSc has not.
+
+    Parameters
+    ----------
+    entries : mapping, name (without dash) -> text, as of the database
+    PETSc : module of petsc4py, which this one does not import
+    """
+    for name, text in entries.items():
+        found = re.search("(?:^|_)(snes|ksp|pc)_type$", name)
+        if not found:
+            continue
+        kind = getattr(PETSc, found[1].upper())
+        solver = kind().create(PETSc.COMM_SELF)
+        try:
+            solver.setType(text)
+        except PETSc.Error:
+            types = [known for word, known in vars(kind.Type).items()
+                     if not word.startswith("_") and known != text]
+            told = f"is '{text}', a type that PETSc has not here" if text else "has no value"
+            method = Path(located(f"{text}.opts"))
+            like = (f": the file {method.name} is that method, name it in place of the option"
+                    if os.path.isfile(method) and f"-{name}" in method.read_text(encoding="utf-8")
+                    else meant(text, types, ": leave it out for the usual one"))
+            raise InputError(f"-{name} {told}{like}") from None
+        finally:
+            solver.destroy()

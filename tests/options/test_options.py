@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from contactsnes import Branch
 from contactsnes.options import database as options
 from contactsnes.options import files
 from contactsnes.options.fields import InputError, Options, as_text, option
@@ -376,6 +377,13 @@ def test_numbers_that_petsc_can_use_are_left_to_it(petsc):
                        ("ksp_rtol", ".5"), ("snes_max_it", "1"), ("mine_snes_atol", "-1")):
         petsc[name] = text
     options.check_values(())
+
+
+@pytest.mark.parametrize("name, guess", [("snes_type", "newtonls"), ("arc_ksp_type", "fgmres")])
+def test_types_that_petsc_has_not_are_refused_for_a_script_too(petsc, name, guess):
+    petsc[name] = guess + "x"
+    with pytest.raises(InputError, match=f"^-{name} is '{guess}x', a type that .* {guess}[?]"):
+        Branch(Scene(points=64, period=20.0, normal_maugis=1.0), Load(path="normal_displacement=1"))
 
 
 def test_a_linear_solve_that_nothing_ends_is_refused(petsc):
