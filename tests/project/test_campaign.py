@@ -196,8 +196,8 @@ class Told(comparison.Story):
         self.events = [point for point, (event, _) in enumerate(events) if event != "none"]
         self.path = checker.Path(event=[event for event, _ in events], fold_kind=[""] * self.count,
                                  tangential_displacement=[load for _, load in events],
-                                 dissipated_work=[0.0])
-        self.path.legs, self.path.dimension = [{0: ("force", 1.0), 1: ("displacement", 1.0)}], 0
+                                 normal_force=[1.0] * self.count, dissipated_work=[0.0])
+        self.path.legs, self.path.dimension = [{0: ("force", 1.0), 1: ("displacement", 1.0)}], 1
         self.path.options = {"load_stop": stop}
 
 
