@@ -121,16 +121,20 @@ class Remarks:
                       "-continuation_stability sign certifies points")
 
     def _not_stable(self, point):
-        """A first point or the end of a jump marked, and told, where it is not stable and nobody
-        checks: its linear solves tell."""
+        """A first point, the end of a jump or of a leg marked, and told, where it is not stable and
+        nobody checks: its linear solves tell, but of half a surface not of modes that are odd."""
         examiner = self.corrector.examiner
-        if (self.certified or examiner is None or not point.softest < 0.0
-            or not (point.leg == 0 or point.event == "jump")):
+        begins = point.leg == 0 or point.event == "jump"
+        ends = point.position == 1.0 and not point.event
+        hidden = point.state.half is not None and not self.corrector.contact.convex
+        if self.certified or examiner is None or not (
+                begins and point.softest < 0.0 or hidden and (begins or ends)):
             return point
         modes = examiner(replace(point, event=None, tangents=())).unstable_modes
         if modes <= 0:
             return point
-        what = "the end of a jump" if point.event == "jump" else "the first point"
+        what = ("the end of a jump" if point.event == "jump" else "the first point" if begins
+                else f"the end of leg {point.leg}")
         self._log(f"{what}, at {self.corrector.told(point.controls, point.load)}, is not "
                   f"stable: {modes} modes are unstable; -continuation_stability "
                   "sign certifies points, and follows jumps on")

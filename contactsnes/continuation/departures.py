@@ -17,7 +17,9 @@ AHEAD = (0.01, 0.1, 1.0)
 motion leads to a branch that may be nearer than they are, next to a nearly broken pitchfork."""
 NEXT, LEAST = 0.9, 2e-3
 """Part of the way to that branch at which motion to it begins, and way, ranges of the law, below
-which solves do not tell it from the fold."""
+which solves do not tell it from the fold: two branches meet there."""
+MEETING = 0.1
+"""Ranges of the law that the other one has moved by at most, from there to the load beyond."""
 
 APART = 0.5
 """Part of the kick by which a motion has to end away from its fold not to have led back to it."""
@@ -110,7 +112,8 @@ def jumped(system, leg, fold, starts, where, check_end):
 
 def _nearest(system, leg, fold, where):
     """Yield the state at `NEXT` of the way from a fold to the branch at its load to which motion
-    under a load beyond it leads, if that is one."""
+    under a load beyond it leads, if that is one; one on that branch where it goes through the fold,
+    as that of even states does where uneven ones end."""
     for part in AHEAD if fold.tangents else ():
         position = fold.position + part * leg.initial
         if position > 1.0:
@@ -118,8 +121,12 @@ def _nearest(system, leg, fold, where):
         with suppress(NotConverged, NoEquilibrium):
             beyond = system.settle(fold.state, leg.controls, leg.load(position), where)
             point = system.solve(beyond.state, leg.controls, fold.load)
-            if not point.softest < 0.0 and system.missed(fold.state, point.state) > LEAST:
+            if point.softest < 0.0:
+                continue
+            if system.missed(fold.state, point.state) > LEAST:
                 yield system.extrapolate([fold, point], [1.0 - NEXT, NEXT])
+            elif system.missed(fold.state, beyond.state) < MEETING:
+                yield point.state
 
 
 def _elsewhere(system, fold, start, found, check_end):

@@ -42,7 +42,9 @@ def pulled(request, tmp_path, monkeypatch):
 
 def test_a_pattern_is_told_of_where_solves_are_stirred(pulled):
     stirred, _, points, said = pulled
-    assert any("not stable" in sentence for sentence in said) == stirred
+    assert any(sentence.startswith("the branch is not stable") or "points beyond are not stable"
+               in sentence for sentence in said) == stirred
+    assert any(sentence.startswith("the end of leg 1") for sentence in said) != stirred
     assert (points[-1].softest < 0.0) == stirred
     assert points[0].softest > 0.0 and points[-1].load[0] == UNSTABLE
 

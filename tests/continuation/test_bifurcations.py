@@ -756,6 +756,22 @@ def test_the_other_spot_is_followed(spots):
             and jump.dissipated_work > points[place].dissipated_work)
 
 
+def test_the_end_of_a_leg_is_looked_at_for_modes_that_half_a_surface_does_not_show(tmp_path):
+    """Two spots, one on either side of the apex: which of them lets go is an odd mode."""
+    places, told = 2.0 * np.pi * (np.arange(192) - 96) / 192, []
+    np.save(tmp_path / "two.npy", -1.5 * (1.0 + np.cos(2.0 * places)))
+    scene = Scene(points=192, period=18.0, normal_maugis=2.0, geometry="file",
+                  geometry_file=str(tmp_path / "two.npy"))
+    path = "normal_displacement=-1.65; normal_displacement=-1.5"
+    points, error = followed(Branch(scene, Load(start="normal_displacement=-1.2", path=path),
+                                    Steps(), Form(), log=told.append))
+    *_, lost, _ = ends = [point for point in points if point.position == 1.0 or not point.leg]
+    assert error is None and [point.stable for point in ends] == [-1, 0, -1]
+    assert lost.unstable_modes == 1
+    assert sum("the end of leg 1, at normal_displacement -1.65, is not stable" in sentence
+               for sentence in told) == 1
+
+
 @pytest.mark.parametrize("stability, kind", [("off", "natural"), ("sign", "natural"),
                                              ("off", "arclength")])
 def test_of_two_spots_that_are_nearly_equal_the_lower_one_lets_go(spots, stability, kind):

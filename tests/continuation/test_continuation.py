@@ -997,17 +997,20 @@ def test_a_jump_leads_away_from_its_fold(end, back):
     assert "led back" in str(found) if back else found is None
 
 
-@pytest.mark.parametrize("end, softest, place, back", [
-    (0.05, np.nan, 0.5, False), (0.05, -0.1, 0.5, True), (-0.05, 0.1, 0.5, False),
-    (0.001, 0.1, 0.5, True), (0.05, 0.1, 0.9999, True)])
-def test_a_branch_nearer_to_a_fold_than_kicks_are_is_found_from_beyond(end, softest, place, back):
+@pytest.mark.parametrize("end, beyond, softest, place, back", [
+    (0.05, 0.05, np.nan, 0.5, False), (0.05, 0.05, -0.1, 0.5, True), (-0.05, 0.2, 0.1, 0.5, False),
+    (0.001, 0.01, 0.1, 0.5, False), (0.001, 0.2, 0.1, 0.5, True), (0.05, 0.05, 0.1, 0.9999, True)])
+def test_a_branch_nearer_to_a_fold_than_kicks_are_is_found_from_beyond(end, beyond, softest, place,
+                                                                       back):
     """As next to a nearly broken pitchfork: from kicks motion leads back, under a load beyond the
-    fold to a branch that is ``end`` away from it there. An unstable one, or one that solves do not
-    tell from the fold, is none, nor is there any beyond the end of the leg."""
+    fold to a branch that is ``end`` away from it there. An unstable one is none, nor is there any
+    beyond the end of the leg. One that solves do not tell from the fold goes through it, if it has
+    hardly moved to the load beyond: that of uneven states ends there."""
     class Beside(Landing):
         def settle(self, state, controls, load, where, origin=None):
-            near = abs(state[0] - end) < 0.2 * abs(end) or load > leg.load(place)
-            return self._point(self.end if near else np.zeros(1), load, 3)
+            near = abs(state[0] - end) < 0.2 * abs(end)
+            return self._point(np.array([beyond]) if load > leg.load(place) else
+                               self.end if near else np.zeros(1), load, 3)
 
     leg = replace(UNIT_LEG, initial=0.02)
     system = Beside([end], softest=softest)

@@ -122,10 +122,11 @@ def test_an_odd_mode_that_becomes_unstable_first_is_seen_on_an_even_state(tmp_pa
     """Two equal spots pulled off together: one lets go first, which even states know nothing of."""
     file = tmp_path / "two.npy"
     np.save(file, -1.5 * np.cos(4.0 * np.pi * np.arange(-96, 96) / 192))
-    made = branch({"geometry": "file", "geometry_file": str(file), "points": 192, "period": 18.0,
-                   "normal_maugis": 2.0}, "normal_displacement=-1.75", at=-1.2)
-    counts = []
-    for point in followed(made)[::2]:
+    scene = {"geometry": "file", "geometry_file": str(file), "points": 192, "period": 18.0,
+             "normal_maugis": 2.0}
+    points = followed(branch(scene, "normal_displacement=-1.75", at=-1.2))
+    made, counts = branch(scene, "normal_displacement=-1.75", at=-1.2), []
+    for point in points[::2]:
         expected = by_parity(Cell(made.contact, point), (1.0,))
         stability = Stability(made.corrector, "eigenvalue")
         found = stability(point)

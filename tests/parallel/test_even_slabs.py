@@ -412,12 +412,13 @@ def test_even_branches_take_the_steps_and_costs_of_one_process(size, alone, tmp_
         assert events(points) == events(alone[case]), case
         assert len(points) == len(alone[case]), case
         exact = case != "stability"  # which begins with other noise
-        for one, other in zip(alone[case], points):
+        for number, (one, other) in enumerate(zip(alone[case], points)):
             # a spot less than a square of the grid is as wide as its depth's last digits say
             dot = {"perimeter"} if 0.0 < one["contact_area"] < (9.0 / 48) ** 2 else set()
             # halves are on trial on all nodes, whose boxes processes transform in the whole cell
             trial = ({"transforms"} if case in ("small", "coupled x") and other is points[0]
-                     else set())
+                     # modes that break a symmetry were looked for before, from other noise
+                     or case == "sinusoid" and number == 1 else set())
             assert not {name: (one[name], other[name]) for name in one
                         if name not in ROUNDED | dot | trial and (exact or name not in SAME)
                         and differs(name, one[name], other[name])}, case
