@@ -204,8 +204,6 @@ class Run:
         raised again."""
         from petsc4py import PETSc
 
-        if isinstance(error, PETSc.Error) and error.__cause__ is not None:
-            error = error.__cause__  # newer petsc4py wraps what our callbacks raise
         early = self.progress.points == 0
         if isinstance(error, (NotConverged, NoEquilibrium, ArchiveError)):
             self.ended = isinstance(error, NoEquilibrium)

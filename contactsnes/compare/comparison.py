@@ -200,10 +200,6 @@ class Comparison:
 
     def _reason(self, error):
         """What ended a solve, in one line."""
-        if isinstance(error, PETSc.Error) and error.__cause__ is not None:
-            error = error.__cause__  # newer petsc4py wraps what our callbacks raise
-        if not isinstance(error, Exception):
-            raise error
         if self.meter.weighed > self.meter.limit:
             return f"more than {self.settings.transforms:.0f} transforms"
         if isinstance(error, PETSc.Error):

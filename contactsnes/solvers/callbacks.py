@@ -279,7 +279,7 @@ def watch_modes(snes):
 
 def solve(snes, solution):
     """Run a SNES, or a KSP of one, from a Vec, which it overwrites; exceptions of Python that the
-    library could not pass on are raised.
+    library could not pass on, or petsc4py did not, are raised.
 
     Parameters
     ----------
@@ -289,11 +289,11 @@ def solve(snes, solution):
     right, solution = solution if isinstance(solution, tuple) else (None, solution)
     try:
         snes.solve(right, solution)
-    except PETSc.Error:
+    except PETSc.Error as error:
         own = of(snes)
         if own is not None:
             raise_error()
             own.form.grid.counter.check()
-        raise
+        raise error.__cause__ or error  # newer petsc4py wraps what our callbacks raise
     finally:
         release(snes.getKSP() if isinstance(snes, PETSc.SNES) else snes)
