@@ -262,6 +262,8 @@ def _all_modes(space, number):
     for symmetry, length in enumerate(by.lengths):
         unit = np.eye(length)
         unit = unit if occupied is None else unit[by.parts(occupied)[symmetry]]
+        if not len(unit):  # of one node nothing is odd
+            continue
         images = np.array([by.parts(operator.apply(by.whole(symmetry, one)))[symmetry]
                            for one in unit])
         found.append(space.whole(symmetry, projected(unit, images, unit @ images.T, 1, number)))

@@ -69,6 +69,28 @@ def test_leading_modes_are_those_of_dense_matrices(leading, seed):
     np.testing.assert_allclose(operator.matrix @ vector, modes.leading * vector, atol=2e-6)
 
 
+def test_few_modes_are_told_apart_by_their_symmetry_where_one_has_none():
+    """Of a window of few nodes all are found at once; of one node none is odd."""
+    class Parted(Dense):
+        lengths = [2, 3, 1]
+        occupied = np.array([True] * 5 + [False])
+
+        def parts(self, vector):
+            return np.split(vector, [2, 5])
+
+        def whole(self, number, rows):
+            found = np.zeros((*rows.shape[:-1], 6))
+            self.parts(found.T)[number][...] = rows.T
+            return found
+
+    operator = Parted([0.5] * 6, size=6)
+    operator.matrix = np.diag([0.4, -0.2, 0.3, -0.1, 0.6, np.nan])
+    found = leading_modes(operator)
+    assert [part.values[0] for part in found] == pytest.approx([-0.2, -0.1])
+    assert joined(found).unstable == 2
+    assert [np.argmax(np.abs(part.vectors[0])) for part in found] == [1, 3]
+
+
 @pytest.mark.parametrize("size", [20, 160])
 def test_all_modes_up_to_one_that_is_asked_for_are_told(size):
     """However many of them are stable: where several change in a step, each of these is."""
