@@ -82,7 +82,16 @@ class Remarks:
         one under way."""
         self._tell_of_reversal(leg)
         self._tell_of_release(self.last, leg)
+        if self.leg is None and not self.certified:
+            self._leave_symmetry()
         self.leg = leg
+
+    def _leave_symmetry(self):
+        """Take states for even no more where an earlier run did not, whose last point is not
+        stable."""
+        last, examiner = self.last, self.corrector.examiner
+        if last.stable == 0 and examiner and self.corrector.symmetry.holds(len(last.controls)):
+            examiner(replace(last, event=None, tangents=()))
 
     def _tell_of_reversal(self, leg):
         """Say once that a tangential load which turns back makes no hysteresis by itself."""

@@ -763,13 +763,19 @@ def test_the_end_of_a_leg_is_looked_at_for_modes_that_half_a_surface_does_not_sh
     scene = Scene(points=192, period=18.0, normal_maugis=2.0, geometry="file",
                   geometry_file=str(tmp_path / "two.npy"))
     path = "normal_displacement=-1.65; normal_displacement=-1.5"
-    points, error = followed(Branch(scene, Load(start="normal_displacement=-1.2", path=path),
-                                    Steps(), Form(), log=told.append))
+    made, resumed = (Branch(scene, Load(start="normal_displacement=-1.2", path=path), Steps(),
+                            Form(), log=log) for log in (told.append, lambda sentence: None))
+    points, error = followed(made)
     *_, lost, _ = ends = [point for point in points if point.position == 1.0 or not point.leg]
     assert error is None and [point.stable for point in ends] == [-1, 0, -1]
     assert lost.unstable_modes == 1
     assert sum("the end of leg 1, at normal_displacement -1.65, is not stable" in sentence
                for sentence in told) == 1
+    place = points.index(lost) + 1
+    resumed.history = [resumed.restored(resumed.packed(point)) for point in points[:place]]
+    rest, _ = followed(resumed)
+    assert [point.stable for point in rest] == [point.stable for point in points[place:]]
+    assert 0 in [point.stable for point in rest]
 
 
 @pytest.mark.parametrize("stability, kind", [("off", "natural"), ("sign", "natural"),
