@@ -89,9 +89,15 @@ class Remarks:
     def _leave_symmetry(self):
         """Take states for even no more where an earlier run did not, whose last point is not
         stable."""
-        last, examiner = self.last, self.corrector.examiner
-        if last.stable == 0 and examiner and self.corrector.symmetry.holds(len(last.controls)):
-            examiner(replace(last, event=None, tangents=()))
+        last = self.last
+        if (last.stable == 0 and self.has_tangent and self.corrector.examiner
+                and self.corrector.symmetry.holds(len(last.controls))):
+            self._unstable_modes(last)
+
+    def _unstable_modes(self, point):
+        """How many modes of a point are unstable, whatever its event; -1 where they are not found.
+        States are taken for even no more if one of them is not."""
+        return self.corrector.examiner(replace(point, event=None, tangents=())).unstable_modes
 
     def _tell_of_reversal(self, leg):
         """Say once that a tangential load which turns back makes no hysteresis by itself."""
@@ -132,14 +138,14 @@ class Remarks:
     def _not_stable(self, point):
         """A first point, the end of a jump or of a leg marked, and told, where it is not stable and
         nobody checks: its linear solves tell, but of half a surface not of modes that are odd."""
-        examiner = self.corrector.examiner
         begins = point.leg == 0 or point.event == "jump"
         ends = point.position == 1.0 and not point.event
-        hidden = point.state.half is not None and not self.corrector.contact.convex
-        if self.certified or examiner is None or not (
+        hidden = (self.has_tangent and point.state.half is not None
+                  and not self.corrector.contact.convex)
+        if self.certified or self.corrector.examiner is None or not (
                 begins and point.softest < 0.0 or hidden and (begins or ends)):
             return point
-        modes = examiner(replace(point, event=None, tangents=())).unstable_modes
+        modes = self._unstable_modes(point)
         if modes <= 0:
             return point
         what = ("the end of a jump" if point.event == "jump" else "the first point" if begins
