@@ -211,16 +211,17 @@ def _run(values, words, path, jobs, done):
 
 
 def _is_done(path, words):
-    """Whether an archive is the complete one of a case: what differs otherwise is for the run to
-    refuse or to go on with."""
+    """Whether an archive is a case's complete one; what stands in files is for runs to compare."""
+    in_files = any(name == "scene_geometry_file" or ".py:" in words[name] for name in words)
     try:
         record = read(path)
     except ValueError:  # there is none, or one that the run refuses
         return False
-    if not record.complete:
-        return False
     made = resuming.entries(record.options)
-    return all(made.get(name.lower()) == " ".join(value.split()) for name, value in words.items())
+    # (a default, left out here, is not what was given there)
+    ours = {name for name in made if name.startswith(OURS)} - {"archive_file", "archive_resume"}
+    return not in_files and record.complete and ours <= {*map(str.lower, words)} and all(
+        made.get(name.lower()) == " ".join(value.split()) for name, value in words.items())
 
 
 def _given(fields, *instances):

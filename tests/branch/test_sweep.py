@@ -17,7 +17,7 @@ from contactsnes import Branch, Form, Load, Scene, Steps, read, reference, sweep
 from contactsnes.branch import sweep as sweeps
 from contactsnes.branch.sweep import Sweep, _cases, _is_done, _listed, _scene_words, _stems
 from contactsnes.contact import observables
-from contactsnes.options.fields import InputError
+from contactsnes.options.fields import InputError, as_text
 from contactsnes.output import archive as archives
 from contactsnes.output.layout import Column
 
@@ -156,8 +156,10 @@ def test_a_run_that_ends_early_says_why(tmp_path):
     assert "no equilibrium" in found.failures["normal_force=-9"]
     assert found["normal_force=-9"].points > 1 and found["normal_force=0.5"].complete
     path = tmp_path / "load_path=normal_force=0.5.h5"
-    assert _is_done(path, {"load_path": "normal_force=0.5"})
-    assert not _is_done(path, {"load_path": "normal_force=0.6"})
+    words = {"archive_fields": "none", "load_path": "normal_force=0.5",
+             **{f"scene_{name}": as_text(value) for name, value in SMALL.items()}}
+    assert _is_done(path, words)
+    assert not _is_done(path, {**words, "load_path": "normal_force=0.6"})
     assert read(path)["normal_force"][-1] == 0.5
 
 
@@ -201,6 +203,31 @@ def test_what_another_run_has_left_in_the_folder_is_no_record(tmp_path):
     other = sweep(Scene(**SMALL), Load(path="normal_displacement=2; normal_force=1"), **given)
     assert "cannot be resumed" in other.failures[128]
     assert list(other) == [] and np.isnan(other.take("normal_force"))
+
+
+@pytest.mark.usefixtures("forks")
+def test_what_a_study_no_longer_names_is_another_run(tmp_path):
+    """What was left out, a default now, was not looked at: points of another Poisson ratio, or of a
+    path that ended earlier, were taken from the folder without a word."""
+    given = dict(folder=tmp_path, progress=False, points=[128])
+    scene, pulled = Scene(**SMALL, poisson=0.3, height="inf"), Load(path="normal_displacement=-6")
+    ended = sweep(scene, replace(pulled, stop="pull_off"), **given)
+    assert ended.take("normal_displacement") > -5.0 and not ended.failures
+    other = sweep(replace(scene, poisson=0.5), pulled, **given)
+    assert "poisson is 0.3 there and 0.5 here" in other.failures[128] and list(other) == []
+    whole = sweep(scene, pulled, **given)
+    assert whole.take("normal_displacement") == -6.0 and not whole.failures
+
+
+@pytest.mark.usefixtures("forks")
+def test_files_that_have_changed_since_are_other_runs(tmp_path):
+    heights = tmp_path / "heights.npy"
+    given = dict(folder=tmp_path, progress=False, points=[128])
+    for size, word in [(1, ""), (2, "heights_sha256")]:
+        np.save(heights, size * np.cos(2 * np.pi * np.arange(128) / 128))
+        found = sweep(Scene(**SMALL, geometry="file", geometry_file=str(heights)),
+                      Load(path="normal_displacement=0.1"), **given)
+        assert word in found.failures.get(128, "") and len(found) == (not word)
 
 
 @pytest.mark.usefixtures("forks")
