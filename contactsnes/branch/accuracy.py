@@ -29,7 +29,7 @@ from ..options.fields import as_text
 from ..scene.resolution import PINNING, resolution
 from ..scene.settings import Form, tangential_legs
 from ..solvers.capabilities import tolerated
-from .coarser import refined
+from .coarser import finer_gap, refined
 from .corrector import Corrector
 from .grid_choice import next_grid, refinement
 
@@ -202,16 +202,15 @@ def _values_at(point, measurement, area):
 
 def finer_contact(contact, ratio):
     """The contact on a grid with ``ratio`` times the nodes in each direction; heights from a file
-    follow their waves."""
+    are interpolated."""
     points = tuple(ratio * n for n in contact.grid.shape)
     scene = replace(contact.scene, points=points if len(points) == 2 else points[0])
     if contact.isolated:
         return IsolatedContact(scene, law=contact.law, kernels=contact.kernels)
     if not shapes.of(scene).gridded:
         return Contact(scene, law=contact.law, kernels=contact.kernels)
-    return Contact(scene, gap=resampled(contact.grid, Grid(scene.shape, scene.periods),
-                                        contact.initial_gap[None])[0], law=contact.law,
-                   kernels=contact.kernels)
+    return Contact(scene, gap=finer_gap(contact, Grid(scene.shape, scene.periods)),
+                   law=contact.law, kernels=contact.kernels)
 
 
 class Watch:

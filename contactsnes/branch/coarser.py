@@ -1,4 +1,5 @@
-"""Correctors on coarser grids, which count in their finer one's units, and their states on it."""
+"""Correctors on coarser grids, which count in their finer one's units, and their states on it; gaps
+between the nodes of a grid."""
 
 from weakref import WeakKeyDictionary
 
@@ -10,6 +11,9 @@ from ..grid.active import some
 from ..grid.transfer import extent, interpolated, resampled
 from ..grid.transfer import refined as refined_field
 from ..grid.windows import Window
+from ..interface import shapes
+from ..interface.heights import fitted
+from ..interface.seams import seams
 from ..scene.resolution import LARGEST_RESOLUTION, resolution
 from ..solvers.capabilities import asked
 
@@ -85,6 +89,23 @@ def finer_state(contact, finer, state):
     """
     cell = resampled(contact.grid, finer.grid, contact.extended(state), contact.transforms)
     return states.State(finer.grid.whole, cell.reshape(len(cell), -1), state.means)
+
+
+def finer_gap(contact, grid):
+    """The initial gap (*grid) on a finer grid of a contact whose gap is known on its nodes alone:
+    there as it is, between them as heights are interpolated (`heights.fitted`).
+
+    Parameters
+    ----------
+    contact : Contact
+    grid : Grid, with several times as many points in each direction
+    """
+    gap, edges = contact.initial_gap, getattr(shapes.of(contact.scene), "heights_edges", "warn")
+    if edges != "pad" and not seams(gap, contact.grid):
+        return resampled(contact.grid, grid, gap[None])[0]
+    # (of several processes the first one is asked)
+    heights = -contact.grid.joined(gap)
+    return grid.spread(lambda: -fitted("", heights, grid.shape, "interpolate", edges))
 
 
 def refined(contact, finer, state):

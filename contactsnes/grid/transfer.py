@@ -87,12 +87,13 @@ def _line(start, extent, total):
 
 
 def resampled(grid, finer, fields, make=None):
-    """Fields (components, *grid) on the finer grid, with the same waves except the coarse one's
-    shortest.
+    """Fields (components, *grid) on the finer grid, by the waves of the coarse one: at its nodes
+    they are as they were, since the shortest wave, which no node tells from its mirror image, goes
+    halves.
 
     Parameters
     ----------
-    grid, finer : Grid
+    grid, finer : Grid, with even numbers of points, the finer one with more in each direction
     fields : array (components, *grid)
     make : what makes transforms, as `cell.Transform`, which may be kept; None: as the grid has it
     """
@@ -102,11 +103,14 @@ def resampled(grid, finer, fields, make=None):
     source.forward()
     target = (make or finer.transform)(finer, finer.shape, count)
     columns = finer.first_column + np.arange(target.spectrum.shape[-1])
-    columns = columns[columns < half]
+    columns = columns[columns <= half]
     waves = grid.waves_at(source.spectrum, columns) / grid.size
+    waves[..., columns == half] *= 0.5
+    for axis, n in enumerate(grid.shape[:-1], start=1):
+        waves.swapaxes(0, axis)[n // 2] *= 0.5
     target.spectrum[...] = 0.0
     # those of wave numbers from 0 on, and negative ones
-    for rows in itertools.product(*((slice(0, n // 2), slice(1 - n // 2, None))
+    for rows in itertools.product(*((slice(0, n // 2 + 1), slice(-(n // 2), None))
                                     for n in grid.shape[:-1])):
         part = (slice(None), *rows, slice(0, len(columns)))
         target.spectrum[part] = waves[part]

@@ -114,6 +114,29 @@ def test_estimates_of_sheared_planes_are_within_a_factor_three():
     assert np.mean(honest(found)) >= 0.95
 
 
+@pytest.mark.parametrize("edges", ["warn", "pad", "periodic"])
+@pytest.mark.parametrize("shape", [(40,), (20, 30)])
+def test_finer_grids_have_measured_heights_as_interpolation_has_them(tmp_path, shape, edges):
+    """The surface that an estimate compares with is that of a run on more points: with the noise of
+    its nodes, without waves that ring where heights step."""
+    heights = np.random.default_rng(2).standard_normal(shape)
+    heights += 0.0 if edges == "periodic" else np.linspace(0.0, 40.0, shape[0]).reshape(
+        -1, *[1] * (len(shape) - 1))
+    np.save(tmp_path / "map.npy", heights)
+    typed = dict(geometry="file", geometry_file=str(tmp_path / "map.npy"), period=20.0,
+                 heights_edges=edges.replace("periodic", "warn"))
+    contact = Contact(Scene.typed(**typed))
+    ratio = 3
+    finer = accuracy.finer_contact(contact, ratio)
+    points = tuple(ratio * n for n in contact.grid.shape)
+    other = Contact(Scene.typed(**typed, points=points if shape[1:] else points[0],
+                                heights_fit="interpolate"))
+    difference = finer.initial_gap - other.initial_gap
+    np.testing.assert_allclose(difference, difference.mean(), atol=1e-9)
+    every = (slice(None, None, ratio),) * len(shape)
+    np.testing.assert_allclose(finer.initial_gap[every], contact.initial_gap, atol=1e-9)
+
+
 def test_a_grid_that_does_not_resolve_the_law_is_not_trusted():
     scene = Scene(points=512, period=100.0, normal_maugis=5.0)
     point = next(iter(Branch(scene, Load(start="normal_displacement=2",

@@ -22,7 +22,7 @@ from contactsnes.continuation.points import NotConverged  # noqa: E402
 from contactsnes.dynamics import jumps
 from contactsnes.grid.cell import Grid  # noqa: E402
 from contactsnes.grid.counter import weighed  # noqa: E402
-from contactsnes.grid.transfer import resampled  # noqa: E402
+from contactsnes.grid.transfer import by_waves, resampled  # noqa: E402
 from contactsnes.grid.windows import Window  # noqa: E402
 from contactsnes.scene.settings import Form, Scene  # noqa: E402
 from contactsnes.solvers.snes import COLD, WARM  # noqa: E402
@@ -267,6 +267,20 @@ def test_resampling_keeps_every_wave():
 
     np.testing.assert_allclose(resampled(coarse, fine, field(coarse)), field(fine), atol=1e-13)
     assert coarse.transforms > 0 and fine.transforms > 0
+
+
+@pytest.mark.parametrize("shape, ratio", [((20,), 2), ((16, 12), 2), ((12, 16), 3)])
+def test_resampling_leaves_values_at_nodes_as_they_are(shape, ratio):
+    """The noise of a measured surface has as much of the shortest wave as of others."""
+    coarse, fine = (Grid(tuple(n * k for n in shape), (3.0, 2.0)[:len(shape)])
+                    for k in (1, ratio))
+    noise = np.random.default_rng(1).standard_normal((2, *shape))
+    found, expected = resampled(coarse, fine, noise), noise
+    for axis, points in enumerate(fine.shape):
+        expected = by_waves(expected, points, axis + 1)
+    np.testing.assert_allclose(found, expected, atol=1e-13)
+    every = (slice(None), *[slice(None, None, ratio)] * len(shape))
+    np.testing.assert_allclose(found[every], noise, atol=1e-13)
 
 
 def test_a_sharper_law_keeps_traction_in_overlap_and_the_gap_elsewhere():
