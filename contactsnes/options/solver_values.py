@@ -76,6 +76,10 @@ UNUSABLE = {("snes_type", "aspin"): "it solves on subdomains, of which none are 
 without end, in one version or another -> why: what else cannot be used it says itself."""
 
 
+COUNTING = ("richardson", "chebyshev", "gcr", "preonly")
+"""Values of -ksp_type of methods whose solves may end by the number of their iterations."""
+
+
 def nearest_usual(name, names, nested):
     """What a name that PETSc's solvers do not ask for is most likely meant for: another name, one
     of their usual options, or such a one under the prefix of a solver inside others; empty where
@@ -137,11 +141,14 @@ def refuse_unwritable(entries):
 
 def _refuse_endless(name, entries):
     """InputError for an option that leaves linear solves without norms, unless another one ends
-    them."""
-    limit = name.removesuffix("norm_type") + "max_it"
-    if limit not in entries:
+    them, and they are of a method that takes their end for one."""
+    head = name.removesuffix("norm_type")
+    kind = entries.get(f"{head}type", "fgmres" if head == "ksp_" else COUNTING[0])
+    if f"{head}max_it" not in entries or kind not in COUNTING:
         raise InputError(f"-{name} is 'none': no residual ends a linear solve then, but its "
-                         f"number of iterations; add -{limit} 20, say, or leave it out")
+                         f"number of iterations, which methods but {', '.join(COUNTING)} call a "
+                         f"failure; add -{head}type {COUNTING[0]} -{head}max_it 20, say, or leave "
+                         "it out")
 
 
 def _holds(rule, text):

@@ -395,6 +395,19 @@ def test_a_linear_solve_that_nothing_ends_is_refused(petsc):
     options.check_values(())
 
 
+@pytest.mark.parametrize("kind", [None, "gmres", "bcgs"])
+def test_a_linear_solve_that_its_number_of_iterations_fails_is_refused(petsc, kind):
+    """Of most methods PETSc calls that a failure: each step then ended far from a solution."""
+    petsc["ksp_norm_type"], petsc["ksp_max_it"] = "none", "20"
+    if kind:
+        petsc["ksp_type"] = kind
+    with pytest.raises(InputError, match="methods but richardson.* add -ksp_type richardson "):
+        options.check_values(())
+    for kind in ("richardson", "gcr"):
+        petsc["ksp_type"] = kind
+        options.check_values(())
+
+
 @pytest.mark.parametrize("name, text", [("snes_type", "aspin"), ("npc_snes_type", "aspin"),
                                         ("ksp_type", "pipelcg"), ("pc_type", "kaczmarz"),
                                         ("fas_levels_1_pc_type", "jacobi"),
