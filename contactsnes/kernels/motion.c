@@ -87,7 +87,7 @@ CLONES static void accelerate(Motion *m)
         }
 }
 
-CLONES static void scale(double *restrict x, const double *restrict y, double factor, long n)
+CLONES static void scale(double *x, const double *y, double factor, long n)
 {
     for (long k = 0; k < n; k++) x[k] = y[k] * factor;
 }
