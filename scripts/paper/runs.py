@@ -199,9 +199,12 @@ def mapped(residual, maugis, force):
     front = residual * peak * width + reference.ligament_force(half, PERIOD,
                                                                reference.front_work(0.0))
     end = drive(scene, min(peak * width, 1.1 * front) + 3 / maugis * DRIVE)
+    # Before the surface turns back it hardly moves while a stiff front runs: folds that coarser
+    # nodes make end the path anywhere there.
+    size = points(between=True, **scene) * (2 if maugis > 10 else 1)
     return Run(f"{law_name(residual)}-t{maugis:g}-w{force:g}", finer=False, options={
         **{f"scene_{key}": value for key, value in scene.items()},
-        "scene_points": points(between=True, **scene),
+        "scene_points": size,
         "load_start": "normal_displacement="
                       f"{max(2.0, reference.jkr_line_approach(half, PERIOD)):.3f}",
         "load_path": f"normal_force={force:g}; "
