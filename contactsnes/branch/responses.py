@@ -91,11 +91,14 @@ class Responses(Corrector):
 
     def stiffness(self, point):
         """dW/dD at a point, w_n,r/u_n,r or R phi_n/u_n,r, other loads held as they are controlled
-        there: one linear solve with the Jacobian, to `EXACT`; nan where that fails, as at a fold.
+        there: one linear solve with the Jacobian, to `EXACT`; nan where that fails, as at a fold, 0
+        where no node is within the law's range: a body that nothing holds has no solution.
 
         D moves by 1 or, of an isolated contact, which has no mean displacement, W does.
         """
         contact, state = self.contact, point.state
+        if contact.survey(state).closest >= contact.law.range:
+            return 0.0 + contact.datum
         controls = (FORCE if contact.isolated else DISPLACEMENT, *point.controls[1:])
         form = DisplacementForm(contact, state.window, controls)
         form.set_load([(force if control == FORCE else displacement) for control, force,

@@ -85,6 +85,16 @@ def test_stiffness_is_the_derivative_of_the_force(scene, path):
     assert branch.observe(point, ["stiffness"]) == {"stiffness": branch.stiffness(point)}
 
 
+@pytest.mark.parametrize("scene, expected", [
+    (dict(dimension=2, geometry="sphere"), 0.0), (dict(height=5.0, poisson=0.4), 0.0),
+    (dict(height=np.inf), np.nan)])  # D of a half-plane is not defined
+def test_a_body_out_of_the_range_of_the_law_has_no_stiffness(scene, expected):
+    branch = Branch(Scene(period=np.inf, normal_maugis=1.5, **scene), Load(path="normal_force=1"))
+    with np.errstate(all="raise"):
+        found = branch.stiffness(next(iter(branch)))
+    np.testing.assert_equal(found, expected)
+
+
 def test_stiffness_of_a_scene_in_si_is_in_newtons_per_metre():
     given = {"dimension": 2, "geometry": "sphere", "points": 64}
     plain = Scene(**given, period=10.0, normal_maugis=3.0, tangential_maugis=1.0)
