@@ -178,7 +178,7 @@ class Branch:
         except NotConverged as error:
             raise failures.explained(error, self.contact, any(self._sheared),
                                      lambda: self._modes(remarks.last, remarks.leg), remarks.last,
-                                     remarks.leg, steppers.others(stepper),
+                                     remarks.unstable_since(), steppers.others(stepper),
                                      self._nearly) from None
 
     def _nearly(self):

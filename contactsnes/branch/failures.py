@@ -9,7 +9,6 @@ import scipy
 
 from ..contact import states
 from ..contact.balance import TOLERANCE, left_by_rounding
-from ..contact.problem import DISPLACEMENT, FORCE
 from ..continuation.points import NotConverged
 from ..grid.spots import runs
 from ..options.database import database
@@ -39,6 +38,11 @@ NUMBER = r"(?<![\w.])(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 """What a number without its sign looks like in the text of an option."""
 TRY = ("try smaller steps (-continuation_initial_step, -continuation_smallest_step) or "
        "another -continuation_predictor")
+"""What to try where a solver failed."""
+
+PASSED = ": a bifurcation was passed"
+"""Why a last point is unstable, where its leg did not begin so."""
+
 AT_START = "try another -load_start, and a leg from there"
 """What to try where there is no first point, to which no steps lead."""
 
@@ -210,24 +214,8 @@ def beyond_rounding(contact, last):
             f"{100.0 * left:.0e}")
 
 
-def released(last, leg):
-    """Whether a leg lets a force hold what at a point a displacement holds; both may be None."""
-    if last is None or leg is None:
-        return False
-    return (DISPLACEMENT, FORCE) in zip(last.controls, leg.controls)
-
-
-def _since(last, leg):
-    """Why a last point is unstable, in words, and what to do; as of ``released``."""
-    if released(last, leg):
-        return (" now that a force holds what a displacement held: begin the leg where that force "
-                "rises with its displacement, or the path under a force, as with -load_start "
-                "normal_force=0")
-    return ": a bifurcation was passed, which -continuation_stability sign finds"
-
-
-def explained(error, contact, sheared, modes, last=None, leg=None, others=(),
-              nearly=lambda: None):
+def explained(error, contact, sheared, modes, last=None, since=PASSED,
+              others=(), nearly=lambda: None):
     """A NotConverged that says what the failure of a path is, and what to try.
 
     Parameters
@@ -238,7 +226,7 @@ def explained(error, contact, sheared, modes, last=None, leg=None, others=(),
     modes : function () -> modes of the last point (`stability.Stability.modes`), None without a
         point or a tangent
     last : Point, the last one, if any
-    leg : Leg on which the path ended, if any
+    since : why it is unstable, where it is (``Remarks.unstable_since``)
     others : options of other ways past a fold
     nearly : function () -> Point near the first one, which is not there; None without any
     """
@@ -258,7 +246,7 @@ def explained(error, contact, sheared, modes, last=None, leg=None, others=(),
                             f"{way_out(TRY if last else AT_START)}")
     told = f"leading eigenvalue {found.leading.real:.3g}"
     if found.unstable:
-        why = f"unstable ({found.unstable} modes, {told}){_since(last, leg)}"
+        why = f"unstable ({found.unstable} modes, {told}){since}"
     elif found.leading.real < softest:
         why = (f"stable, but hardly ({told}): a fold or a bifurcation is next to it; try "
                + ", or ".join(("smaller steps", *others)))

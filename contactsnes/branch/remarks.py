@@ -8,7 +8,7 @@ import numpy as np
 from ..contact.problem import DISPLACEMENT, FORCE
 from ..continuation.points import left_over
 from ..dynamics.stability import SIGN, Stability
-from .failures import released
+from .failures import PASSED
 
 DILUTED = 100.0
 """Largest imbalance of a node over the tolerance of their root mean square from which on a run says
@@ -26,6 +26,11 @@ class Remarks:
     has_tangent : whether the method has a tangent whose modes can be found
     log : function (sentence)
     last : Point before the first one, if any
+
+    Attributes
+    ----------
+    beginning : Point that the leg under way set out from, as long as no point of it is known to be
+        stable; else None
     """
 
     def __init__(self, corrector, certified, has_tangent, log, last=None):
@@ -34,6 +39,7 @@ class Remarks:
         self.has_tangent = has_tangent
         self.last = last
         self.leg = None
+        self.beginning = last
         self._log = log
         self._ways = {}
         self._diluted = False
@@ -42,6 +48,9 @@ class Remarks:
     def marked(self, point):
         """A point with what by-products tell of its stability; from now on the last one."""
         point = self._neutral(self._not_held(self._going_on(self._not_stable(point))))
+        first = self.last is None or point.leg != self.last.leg
+        if point.stable > 0 or point.event == "jump" or first and point.stable < 0:
+            self.beginning = None
         self.last = point
         self._tell_of_dilution(point)
         return point
@@ -60,6 +69,14 @@ class Remarks:
                       f"of {point.state.window.total} nodes: the mean hides what "
                       "is wrong in a few of them; a smaller -snes_atol "
                       "balances these, too")
+
+    def unstable_since(self):
+        """Why the last point is unstable, where it is, and what to do, in words."""
+        if released(self.beginning, self.leg):
+            return (" now that a force holds what a displacement held: begin the leg where that "
+                    "force rises with its displacement, or the path under a force, as with "
+                    "-load_start normal_force=0")
+        return PASSED + ("" if self.certified else ", which -continuation_stability sign finds")
 
     def _neutral(self, point):
         """A point marked as not stable, and told once, where nothing holds the body as a whole."""
@@ -84,7 +101,7 @@ class Remarks:
         self._tell_of_release(self.last, leg)
         if self.leg is None and not self.certified:
             self._leave_symmetry()
-        self.leg = leg
+        self.leg, self.beginning = leg, self.last
 
     def _leave_symmetry(self):
         """Take states for even no more where an earlier run did not, whose last point is not
@@ -193,6 +210,13 @@ class Remarks:
                                            "under a force" if point.leg == 1 and forced[0] else ""))
         single = np.count_nonzero(changed[forced]) == 1 and point.event != "fold"
         return replace(point, stable=0) if single else point
+
+
+def released(last, leg):
+    """Whether a leg lets a force hold what at a point a displacement holds; both may be None."""
+    if last is None or leg is None:
+        return False
+    return (DISPLACEMENT, FORCE) in zip(last.controls, leg.controls)
 
 
 def unmarked(points):

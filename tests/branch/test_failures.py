@@ -12,6 +12,7 @@ petsc4py.init()
 from contactsnes import Branch, Contact, Load, NoEquilibrium, NotConverged, Scene, Steps
 from contactsnes.branch.ends import of_law
 from contactsnes.branch.failures import NARROW, critical, explained, narrow, uncomputable
+from contactsnes.branch.remarks import Remarks
 from contactsnes.contact import states
 from contactsnes.contact.balance import left_by_rounding
 from contactsnes.continuation import steppers
@@ -164,10 +165,34 @@ def test_legs_that_begin_unstable_under_their_force_say_so(control, begins):
                                         path="normal_displacement=-1"))
     last = next(iter(branch))
     modes = SimpleNamespace(unstable=1, leading=-3e-5 + 0.0j)
+    remarks = Remarks(branch.corrector, False, True, None, last)
+    remarks.leg = SimpleNamespace(controls=(control,))
     told = str(explained(NotConverged("x"), branch.contact, False, lambda: modes, last,
-                         SimpleNamespace(controls=(control,))))
+                         remarks.unstable_since()))
     assert ("now that a force holds what a displacement held" in told) is begins
     assert ("a bifurcation was passed" in told) is not begins
+
+
+@pytest.mark.parametrize("stable, stability, told", (
+    (0, "off", "now that a force holds what a displacement held"),
+    (-1, "off", "a bifurcation was passed, which -continuation_stability sign finds"),
+    (1, "sign", "a bifurcation was passed$")))
+def test_the_reason_stays_that_of_the_legs_beginning(monkeypatch, stable, stability, told):
+    """Behind its first points, a leg that had begun unstable was said to have passed a bifurcation,
+    which was to be looked for where it had been asked for."""
+    def fails(corrector, start, makers, **rest):
+        first = start()
+        yield first
+        leg = makers[0]([first])
+        yield corrector.adapted(first, leg.controls, leg.start).changed(leg=1, stable=stable)
+        raise NotConverged("x")
+
+    monkeypatch.setattr("contactsnes.continuation.path.branch", fails)
+    branch = Branch(Scene(**LINE), Load("normal_displacement=-1", "normal_force=0"),
+                    Steps(stability=stability))
+    monkeypatch.setattr(Branch, "_modes", lambda *_: SimpleNamespace(unstable=1, leading=-1 + 0j))
+    with pytest.raises(NotConverged, match=f"unstable .1 modes, leading eigenvalue -1.:? {told}"):
+        list(branch)
 
 
 @pytest.mark.parametrize("steps, rough, advised", (
