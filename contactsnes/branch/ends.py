@@ -204,12 +204,14 @@ class Ends:
 
     def _glides(self, point):
         """Whether a body in contact that a tangential force moves slips so far everywhere that its
-        friction no longer depends on the slip."""
+        friction no longer depends on the slip, not where it overlaps most either: friction may
+        grow with the overlap as fast as it falls with the slip."""
         if FORCE not in point.controls[1:] or not point.in_contact:
             return False
-        touching = (states.normal_gap(self.contact, point.state)
-                    < self.contact.scene.contact_threshold)
+        gap = states.normal_gap(self.contact, point.state)
+        touching = gap < self.contact.scene.contact_threshold
         least = self.contact.grid.minimum(slip_of(point.state.displacement), where=touching)
-        law, places = self.contact.law, np.array([[0.0, 0.0], [least, least + ONWARD]])
+        deepest = min(self.contact.grid.minimum(gap), 0.0)
+        law, places = self.contact.law, np.array([[deepest] * 2, [least, least + ONWARD]])
         slopes = np.abs(law.tangent(places)[1, 1])
         return least > law.slip_peak and slopes.max() < LEVEL * law.friction_size

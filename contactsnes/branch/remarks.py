@@ -43,6 +43,7 @@ class Remarks:
         self._log = log
         self._ways = {}
         self._diluted = False
+        self._released = None  # the last leg that was told to begin at an unstable point
         self._free = set()
 
     def marked(self, point):
@@ -131,21 +132,20 @@ class Remarks:
                       "hysteresis; energy is lost in jumps only")
 
     def _tell_of_release(self, last, leg):
-        """Say of a leg that releases a displacement and moves another one whether it begins at an
-        unstable point.
+        """Say of a leg that releases a displacement whether it begins at an unstable point.
 
-        Where nobody checks stability, and only there; of a leg that moves forces alone its first
-        step tells at no cost.
+        Where nobody checks stability, and only there; of a leg that moves but the force that it
+        releases the first step tells at no cost.
         """
-        pulled = any(control == DISPLACEMENT and way != 0.0
-                     for control, way in zip(leg.controls, leg.direction))
-        if self.certified or last.leg == leg.number or not (
-                released(last, leg) and pulled and self.has_tangent):
+        free, moving = released(last, leg), tuple(np.flatnonzero(leg.direction))
+        if (self.certified or last.leg == leg.number or not (free and self.has_tangent)
+            or free == moving == free[:1]):
             return
         begun = replace(self.corrector.adapted(last, leg.controls, leg.start), event=None,
                         tangents=())
         found = (self.corrector.examiner or Stability(self.corrector, SIGN, told=True))(begun)
         if found.unstable_modes > 0:
+            self._released = leg.number
             self._log(f"leg {leg.number} begins on an unstable part of the "
                       f"branch: at {self.corrector.told(leg.controls, leg.start)} "
                       f"{found.unstable_modes} modes are unstable now that a "
@@ -202,7 +202,7 @@ class Remarks:
         # a half-plane as a whole has no displacement (nan), and does not go against anything
         if (moved[~forced] != 0.0).any() or not changed[forced] @ moved[forced] < 0.0:
             return point
-        if point.leg != last.leg:
+        if point.leg not in (last.leg, self._released):
             self._log(f"leg {point.leg} begins on an unstable part of the "
                       f"branch: at {self.corrector.told(point.controls, point.load)} the "
                       "displacement goes against the force; -continuation_stability "
@@ -213,10 +213,12 @@ class Remarks:
 
 
 def released(last, leg):
-    """Whether a leg lets a force hold what at a point a displacement holds; both may be None."""
+    """Components in which a leg lets a force hold what at a point a displacement holds; both may be
+    None."""
     if last is None or leg is None:
-        return False
-    return (DISPLACEMENT, FORCE) in zip(last.controls, leg.controls)
+        return ()
+    return tuple(i for i, ways in enumerate(zip(last.controls, leg.controls))
+                 if ways == (DISPLACEMENT, FORCE))
 
 
 def unmarked(points):

@@ -3,6 +3,7 @@ nothing."""
 
 from dataclasses import replace
 from operator import attrgetter
+from types import SimpleNamespace
 
 import numpy as np
 import petsc4py
@@ -209,13 +210,15 @@ def test_what_was_stable_under_other_controls_is_checked_anew():
     assert len([sentence for sentence in told
                 if "leg 3 begins on an unstable part of the branch" in sentence]) == 1
     told.clear()
-    # Also where what moves is not what was let go.
+    # Also where what moves is not what was let go, or not alone.
     steps = Steps(initial_step=(0.1, 1.0, 0.2), largest_step=(0.4, 1.0, 0.2))
-    aside = path.replace("normal_force=-1.5", "tangential_displacement=0.2")
-    followed(aside, scene, steps, "normal_displacement=-2", log=told.append)
-    assert len([sentence for sentence in told
-                if "leg 3 begins on an unstable part of the branch" in sentence]) == 1
-    told.clear()
+    for aside in ("tangential_displacement=0.2", "normal_force=-1.6, tangential_force=0.1",
+                  "tangential_force=0.1"):
+        followed(path.replace("normal_force=-1.5", aside), scene, steps, "normal_displacement=-2",
+                 log=told.append)
+        assert len([sentence for sentence in told
+                    if "leg 3 begins on an unstable part of the branch" in sentence]) == 1
+        told.clear()
     for end in ("normal_force=3", "tangential_displacement=1"):
         points = followed(f"normal_displacement=2; normal_force=hold; {end}", log=told.append)[1]
         assert {point.stable for point in points} == {-1}
@@ -373,6 +376,20 @@ def test_a_glide_whose_friction_falls_by_ever_so_little_is_led_back_without_a_fo
     assert not [point.event for point in points if point.leg == 2 and point.event]
     assert points[-1].displacements[1] == pytest.approx(0.0, abs=1e-6)
     assert points[-1].forces[0] == pytest.approx(points[0].forces[0], rel=1e-8)
+
+
+def test_a_body_that_has_sunk_in_does_not_glide_as_long_as_its_friction_falls():
+    """Friction of the law of McGarry grows with the overlap as fast as it falls with the slip: as
+    of a body that just touches it was none, and steps that failed ended in a fold, anywhere."""
+    scene = Scene(law="mcgarry", points=64, period=24.0, height=3.0, normal_maugis=1.0)
+    branch, points = followed("tangential_displacement=5; normal_displacement=8", scene, LARGE,
+                              "normal_displacement=-3")
+    leg = SimpleNamespace(number=3, moving=0, direction=np.array([1.0, -1.0]))
+    for point, glides in ((next(point for point in points if point.leg == 2), True),
+                          (points[-1], False)):
+        sunk = point.changed(controls=(FORCED, FORCED))
+        fold = branch.corrector.end_of_attraction(sunk, leg, 0.0)
+        assert (fold is not None and fold.fold_kind == "sliding") is glides
 
 
 def test_what_newtons_method_adds_to_a_motion_counts_among_its_works():
