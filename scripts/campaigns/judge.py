@@ -198,7 +198,9 @@ def judged(scene, worker, folder, seconds=30.0, budget=10.0, only=None, fault=No
         errors = {} if "archive_errors" not in scene.options else {"archive_errors": None}
         other, again = run(name, {**changes, **errors})
         statuses[name] = again.status
-        compared(verdict, name, base, other, done.status == 0 == again.status)
+        compared(verdict, name, base, other, done.status == 0 == again.status,
+                 lambda: alone(Verdict(), "errors", scene, worker, folder, seconds,
+                               {"archive_errors": "true"})[0])
     verdict.differ(statuses)
     return verdict
 
@@ -255,9 +257,10 @@ def _judged_alone(verdict, name, done, archive):
     return story
 
 
-def compared(verdict, name, base, other, finished):
+def compared(verdict, name, base, other, finished, estimated):
     """Compare a variant with the scene (each a `Story` or None); say why they may differ, if the
-    archives do."""
+    archives do. Where grids differ, the errors that the program tells of the scene decide
+    (``estimated``: function () -> its `Story` with them, or None)."""
     if base is None or other is None or not base.count or not other.count:
         if (base is None or not base.count) != (other is None or not other.count):
             verdict.add("some", name, "only one of the two has points")
@@ -273,7 +276,10 @@ def compared(verdict, name, base, other, finished):
                   for story in (base, other))
     kind = "unresolved" if told or not precise else "silent" if stable else "unstable"
     tolerance, fold = (_expected(base), 0.03) if finer else (1e-6, 1e-6)
-    for sentence in comparison.compare(base, other, tolerance, fold, finished):
+    found = comparison.compare(base, other, tolerance, fold, finished)
+    if finer and found and kind == "silent":
+        found = comparison.compare(base, other, _expected(estimated() or base), fold, finished)
+    for sentence in found:
         verdict.add(kind, name, sentence)
 
 
