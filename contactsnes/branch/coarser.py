@@ -100,12 +100,35 @@ def finer_gap(contact, grid):
     contact : Contact
     grid : Grid, with several times as many points in each direction
     """
-    gap, edges = contact.initial_gap, getattr(shapes.of(contact.scene), "heights_edges", "warn")
-    if edges != "pad" and not seams(gap, contact.grid):
+    gap, shape, found = contact.initial_gap, shapes.of(contact.scene), None
+    edges = getattr(shape, "heights_edges", "warn")
+    if getattr(shape, "heights_fit", "exact") != "exact":
+        try:
+            found = shape.map()
+        except (OSError, ValueError):  # it is no more where it was, or never was
+            pass
+    if found is None and edges != "pad" and not seams(gap, contact.grid):
         return resampled(contact.grid, grid, gap[None])[0]
     # (of several processes the first one is asked)
-    heights = -contact.grid.joined(gap)
-    return grid.spread(lambda: -fitted("", heights, grid.shape, "interpolate", edges))
+    nodes = -contact.grid.joined(gap)
+    return grid.spread(lambda: -fitted("", nodes if found is None else _beneath(
+        nodes, np.asarray(found.values), edges), grid.shape, "interpolate", edges))
+
+
+def _beneath(nodes, heights, edges):
+    """The map that heights at nodes have been interpolated from, in their unit; themselves where it
+    is another one.
+
+    Parameters
+    ----------
+    nodes, heights : arrays, the latter as the file has them
+    edges : as of `heights.fitted`
+    """
+    there = fitted("", heights, nodes.shape, "interpolate", edges)
+    factor = np.ptp(nodes) / (np.ptp(there) or 1.0)
+    astray = factor * (there - there.max()) + nodes.max() - nodes
+    same = np.abs(astray).max() <= 1e-9 * np.ptp(nodes)
+    return factor * (heights - there.max()) + nodes.max() if same else nodes
 
 
 def refined(contact, finer, state):

@@ -137,6 +137,23 @@ def test_finer_grids_have_measured_heights_as_interpolation_has_them(tmp_path, s
     np.testing.assert_allclose(finer.initial_gap[every], contact.initial_gap, atol=1e-9)
 
 
+@pytest.mark.parametrize("edges, there", [("detrend", True), ("pad", True), ("detrend", False)])
+def test_finer_grids_have_interpolated_heights_as_their_map_has_them(tmp_path, edges, there):
+    """Not those at the nodes interpolated once more, unless their map is gone."""
+    path = tmp_path / "map.npy"
+    np.save(path, np.random.default_rng(2).standard_normal((21, 19)).cumsum(axis=0))
+    typed = dict(geometry="file", geometry_file=str(path), period=20.0, heights_edges=edges,
+                 heights_fit="interpolate")
+    contact = Contact(Scene.typed(**typed, points=(32, 36)))
+    other = Contact(Scene.typed(**typed, points=(96, 108)))
+    if not there:
+        path.unlink()
+    finer = accuracy.finer_contact(contact, 3)
+    np.testing.assert_allclose(finer.initial_gap[::3, ::3], contact.initial_gap, atol=1e-9)
+    difference = finer.initial_gap - other.initial_gap
+    assert (np.ptp(difference) < 1e-9) == there
+
+
 def test_a_grid_that_does_not_resolve_the_law_is_not_trusted():
     scene = Scene(points=512, period=100.0, normal_maugis=5.0)
     point = next(iter(Branch(scene, Load(start="normal_displacement=2",
