@@ -105,7 +105,7 @@ class Contact:
         """The initial gap over the cell, u_n,r."""
         if heights is None:
             return gap_on(shapes.of(self.scene), self.grid, self.scene)
-        here = self.grid.part_of(np.asarray(heights))
+        here = self.grid.part_of(np.asarray(heights, dtype=float))
         return gap_of_heights(here, self.grid) + self.scene.gap_offset
 
     @property

@@ -45,6 +45,14 @@ def test_tables_are_read(tmp_path, name, content):
     np.testing.assert_array_equal(read_heights(tmp_path / name), MAP)
 
 
+@pytest.mark.parametrize("kind", ["i4", "u1", "f4", ">f8"])
+def test_heights_given_as_an_array_are_numbers_of_any_kind(kind):
+    counts = (10.0 * np.abs(MAP)).astype("u1")
+    contact = Contact(Scene(dimension=2, points=MAP.shape, period=9.0), counts.astype(kind))
+    gap = (counts.max() - counts.astype(float)) * contact.ranges[0]
+    np.testing.assert_allclose(contact.initial_gap, gap)
+
+
 def test_empty_cells_are_holes(tmp_path):
     values = MAP.copy()
     values[3, 4] = values[5, 0] = np.nan
