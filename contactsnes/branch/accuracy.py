@@ -253,6 +253,9 @@ class Watch:
         errors = self.estimator(point)
         if errors.largest() > self.branch.scene.accuracy:
             self._too_large(point, errors.largest())
+        if self.branch.corrector.neutral(point) is not None:
+            # other grids have another one of its many equilibria
+            errors = errors._replace(trusted=False)
         self.points += 1
         self.doubtful += not errors.trusted
         self.largest = max(self.largest, errors.largest())

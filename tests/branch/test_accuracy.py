@@ -451,6 +451,18 @@ def test_too_coarse_names_the_grid_to_take(monkeypatch):
         assert "missed at 2 of 2 points" in watch.summary()[1]
 
 
+def test_estimates_of_a_body_that_nothing_holds_are_not_trusted():
+    """It slid, so that nothing attracts it any more, and nothing presses it."""
+    scene = Scene(points=96, period=40.0, normal_maugis=0.8, tangential_maugis=0.3, height=np.inf)
+    branch = Branch(scene, Load("normal_displacement=1", "tangential_displacement=20; "
+                                "normal_force=0"), Steps(initial_step=20.0, largest_step=20.0))
+    watch = accuracy.Watch(branch, False, Lines())
+    free, trusted = zip(*((branch.corrector.neutral(point) is not None,
+                           watch.row(point)["error_trusted"]) for point in branch
+                          if point.event != "fold"))
+    assert free[-1] and not any(free[:-1]) and trusted == (1,) * (len(free) - 1) + (0,)
+
+
 def test_rounding_of_a_component_that_nothing_drives_leaves_trust():
     """Its spectrum does not fall, and was looked at as that of the others."""
     scene = Scene(dimension=2, points=64, period=10.0, normal_maugis=0.8, tangential_maugis=0.5,
