@@ -653,8 +653,12 @@ class Checker:
         doubts = sum(w * np.abs(np.diff(d) * np.diff(f)) for w, d, f in zip(self.weights, *loads))
         # Where a force has an extremum in a step, only its neighbours show how much it varies.
         if self.count > 2:
+            # Events at one load have no work: behind a jump the step to its fold is the neighbour.
+            before = doubts.copy()
+            for step in np.flatnonzero(doubts[1:] <= 1e-9 * scale) + 1:
+                before[step] = before[step - 1]
             doubts = np.maximum.reduce([doubts, np.append(doubts[1:], 0.0),
-                                        np.append(0.0, doubts[:-1])])
+                                        np.append(0.0, before[:-1])])
             for w, d, f in zip(self.weights, *loads):
                 steps = np.diff(d)
                 slopes = np.divide(np.diff(f), steps, out=np.zeros_like(steps), where=steps != 0.0)
