@@ -257,7 +257,7 @@ def _judged_alone(verdict, name, done, archive):
     return story
 
 
-def compared(verdict, name, base, other, finished, estimated):
+def compared(verdict, name, base, other, finished, estimated=lambda: None):
     """Compare a variant with the scene (each a `Story` or None); say why they may differ, if the
     archives do. Where grids differ, the errors that the program tells of the scene decide
     (``estimated``: function () -> its `Story` with them, or None)."""
