@@ -275,8 +275,7 @@ def _stretched(contact, state, window, places, target, part, widened=False):
     beyond = [low < 0 or high > count for (low, high), count in zip(parts, kept.extents)]
     if not (widened or kept.extents == contact.grid.shape) and contact.grid.any(beyond):
         return _stretched(contact, wider(state, window), window, places, target, part, True)
-    known = [slice(min(max(low, 0), count - 2, high), min(high, count))
-             for (low, high), count in zip(parts, kept.extents)]
+    known = [_within(*ends, count) for ends, count in zip(parts, kept.extents)]
     sources = [source - line.start for source, line in zip(sources, known)]
     half = state.half
     if half is None:
@@ -287,3 +286,10 @@ def _stretched(contact, state, window, places, target, part, widened=False):
     for axis, places in enumerate(sources, start=1):
         field = contact.kernels.spline(field, places, axis)
     return field
+
+
+def _within(low, high, count):
+    """Slice of those of the nodes ``low`` to ``high`` - 1 that are on a line of ``count``: of nodes
+    beyond it two at its end, whose values go on there, of none none."""
+    first = min(max(low, 0), count - 2)
+    return slice(first, max(min(high, count), first + 2)) if low < high else slice(0, 0)

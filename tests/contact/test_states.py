@@ -485,6 +485,22 @@ def test_small_changes_are_carried_along_with_the_edges(reach):
                                    atol=2e-3)
 
 
+@pytest.mark.parametrize("shift, end", [(-30.0, 0), (POINTS - 2.0, -1), (POINTS + 30.0, -1)])
+def test_rows_that_were_all_beyond_a_window_have_its_border(shift, end):
+    """As some of several processes ask for where a contact moves far."""
+    contact, kinds = line(), (chosen(), chosen(False))
+    state = states.State(contact.widest, np.random.default_rng(1).normal(size=(1, POINTS)),
+                         np.zeros(1))
+    wanted = (state.displacement + contact.initial_gap)[0, end]
+    for kernels in kinds:
+        contact = Contact(contact.scene, kernels=kernels)
+        found = following._stretched(contact, state, state.window, [[shift, shift + 9.0]],
+                                     [[0.0, 9.0]], (slice(2, 6),))
+        np.testing.assert_allclose(found, np.full((1, 4), wanted), rtol=1e-12)
+        assert following._stretched(contact, state, state.window, [[0.0, 9.0]], [[0.0, 9.0]],
+                                    (slice(6, 6),)).shape == (1, 0)
+
+
 def test_there_is_no_edge_to_follow_off_the_flat_or_with_two_spots():
     contact = line()
     window = Window(contact.grid, (POINTS // 2 - 60,), (121,))
