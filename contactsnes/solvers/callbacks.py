@@ -15,7 +15,7 @@ from ..kernels.zones import CompiledZone
 from ..options.database import read
 from ..options.fields import InputError
 from .core_zone import CoreOptions
-from .krylov import of_ksp, release
+from .krylov import is_ours, of_ksp, release
 from .operators import about
 from .precision import PATIENCE, SAFE
 from .vectors import create_vector
@@ -218,20 +218,20 @@ def of(thing):
 
 
 def set_from_options(snes):
-    """Have a SNES or a KSP read its options; InputError where these leave the library's
+    """Have a SNES or a KSP read its options; InputError where these leave our
     preconditioner no Jacobian.
 
     ``-pc_type python`` is the library's, too, where no other class than the form's own is named.
     """
     snes.setFromOptions()
     own = of(snes)
-    if not own:
-        return
     pc = (snes.getKSP() if isinstance(snes, PETSc.SNES) else snes).getPC()
     database = PETSc.Options(snes.getOptionsPrefix() or "")
-    if pc.getType() == "python" and database.getString("pc_python_type", OWN_ZONE) == OWN_ZONE:
+    named = database.getString("pc_python_type", OWN_ZONE) == OWN_ZONE
+    if own and named and pc.getType() == "python":
         set_shell(pc, own)
-    if pc.getType() == "shell" and database.getBool("snes_mf", False):
+    # (where it is no shell, PETSc would take it away without a word)
+    if is_ours(pc) and database.getBool("snes_mf", False):
         raise InputError(NO_JACOBIAN)
 
 

@@ -70,9 +70,11 @@ def ending(status):
     """How a process ended, from the status that ``subprocess`` tells; an empty text of success."""
     if status == -signal.SIGKILL:
         return "killed by SIGKILL: by somebody, or by a system that lacked memory"
+    known = {number.value: number.name for number in signal.Signals}
     if status < 0:
-        known = {number.value: number.name for number in signal.Signals}
         return f"killed by {known.get(-status, f'signal {-status}')}"
+    if status - 128 in known:  # commands end so where a signal interrupts them
+        return f"interrupted by {known[status - 128]}"
     return f"exit status {status}" if status else ""
 
 

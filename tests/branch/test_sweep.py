@@ -243,7 +243,8 @@ def test_what_complete_runs_lack_is_a_failure_and_their_points_are_there(tmp_pat
 
 
 def test_a_run_that_is_killed_says_by_what(tmp_path, monkeypatch):
-    for number, word in [(signal.SIGKILL, "memory"), (signal.SIGSEGV, "SIGSEGV"), (99, "99")]:
+    for number, word in [(signal.SIGKILL, "memory"), (signal.SIGSEGV, "SIGSEGV"), (99, "99"),
+                         (-128 - signal.SIGTERM, "interrupted by SIGTERM")]:
         monkeypatch.setattr("contactsnes.branch.sweep.children.run",
                             lambda words, _, number=number:
                             subprocess.CompletedProcess(words, -number, "", ""))

@@ -27,6 +27,7 @@ from contactsnes.contact.forms import DisplacementForm  # noqa: E402
 from contactsnes.contact.problem import DISPLACEMENT, FORCE, Contact  # noqa: E402
 from contactsnes.continuation.points import Leg, NoEquilibrium, NotConverged  # noqa: E402
 from contactsnes.options.database import database  # noqa: E402
+from contactsnes.options.fields import InputError  # noqa: E402
 from contactsnes.scene.load import Load  # noqa: E402
 from contactsnes.scene.settings import Form, Scene, Steps  # noqa: E402
 from contactsnes.solvers import callbacks  # noqa: E402
@@ -627,6 +628,16 @@ def test_the_tangent_is_that_of_the_exact_jacobian_where_products_are_difference
     made.solve(first.state, (DISPLACEMENT,), np.array([4.1]), 200)
     moved = made.along_tangent(first, leg, 0.0, 0.1).displacement - first.state.displacement
     assert np.linalg.norm(moved - exact) < 0.01 * np.linalg.norm(exact)
+
+
+@pytest.mark.parametrize("kernels", ["auto", "off"])
+def test_differences_alone_leave_no_preconditioner_whoever_has_made_it(options, kernels):
+    """Without kernels, or on several processes, PETSc took it away without a word."""
+    options(snes_mf="")
+    branch = Branch(Scene(points=64, period=15.0, normal_maugis=1.0),
+                    Load(path="normal_displacement=1"), form=Form(kernels=kernels))
+    with pytest.raises(InputError, match="-snes_mf leaves no Jacobian"):
+        next(iter(branch))
 
 
 @pytest.mark.parametrize("law", ("modified", "xu_needleman"))
