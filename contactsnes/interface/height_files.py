@@ -13,7 +13,7 @@ from numpy.lib.format import MAGIC_PREFIX
 from ..system.devices import failure
 from .height_texts import read_table, size_and_unit, text_of
 from .instruments import has_library, is_binary, topography
-from .stored_heights import Heights, Stored, known, stored
+from .stored_heights import Heights, Stored, known, stored, unit_of
 
 LONGEST = 300
 """Characters of a library's reason that are told."""
@@ -62,7 +62,7 @@ def read(specification):
 
 def _look_at(found):
     """Read everything once."""
-    for _ in found.blocks() if isinstance(found, Stored) else ():
+    for _ in found.values.blocks() if isinstance(found.values, Stored) else ():
         pass
 
 
@@ -92,7 +92,8 @@ def _read_dataset(filename, dataset):
             named = f"'{dataset}'" if dataset else "in the name"
             raise ValueError(f"there is no dataset {named}; write FILE.h5:dataset, "
                              f"there are: {_datasets(file)}")
-        return stored(filename, dataset, file[dataset])
+        found, unit = stored(filename, dataset, file[dataset]), unit_of(file[dataset])
+    return Heights(found if isinstance(found, Stored) else np.asarray(found), unit=unit)
 
 
 def _read_map(filename, _=""):

@@ -1,6 +1,7 @@
 """Heights of a file: as an array, or by rows where they lie in it."""
 
 import math
+import re
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -10,6 +11,8 @@ UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9, "pm": 1e-12,
 """Unit of heights -> metres."""
 OWN_NAMES = {"µm": "um", "μm": "um", "Å": "A", "Angstrom": "A"}
 """Units as files write them."""
+WORDS = re.compile("(milli|micro|nano|pico|)met(?:er|re)s?")
+"""Units in words: parts of a metre, whose first letters those of units are, but for micro."""
 BLOCK = 2 ** 20
 """Numbers of a file that are looked at together."""
 HOLES = "_FillValue", "missing_value"
@@ -121,6 +124,19 @@ def stored(filename, dataset, array):
     if dataset and (told := _conventions(array)):
         return _unpacked(array[()], told)
     return Stored(filename, dataset, array.dtype, tuple(slice(0, n) for n in array.shape))
+
+
+def unit_of(dataset):
+    """The unit of an open dataset by netCDF's conventions, one of `UNITS`; None where it tells
+    none, or none of lengths."""
+    told = [*np.ravel(dataset.attrs.get("units", "")), ""][0]
+    word = told.decode(errors="replace") if isinstance(told, bytes) else str(told)
+    if part := WORDS.fullmatch(word):
+        word = part[1].replace("micro", "u")[:1] + "m"
+    try:
+        return known(word)
+    except ValueError:
+        return None
 
 
 def _conventions(dataset):

@@ -153,6 +153,26 @@ def test_attributes_of_a_dataset_tell_what_its_numbers_stand_for(tmp_path):
     assert isinstance(height_files.read(f"{tmp_path}/map.h5:plain").values, Stored)
 
 
+@pytest.mark.parametrize("told, unit", [
+    ("mm", "mm"), (b"nm", "nm"), (np.array(["um"], "S2"), "um"), ("micrometers", "um"),
+    ("metre", "m"), ("millimeter", "mm"), ("counts", None), ("1", None), (3.0, None), ([], None)])
+def test_a_dataset_tells_its_unit(tmp_path, told, unit):
+    """netCDF's attribute: heights in millimetres were taken for such in metres."""
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "map.h5", "w") as file:
+        file["z"] = MAP
+        file["z"].attrs["units"] = told
+    found = height_files.read(f"{tmp_path}/map.h5:z")
+    assert found.unit == unit and isinstance(found.values, Stored)
+    typed = {**SI, "geometry_file": f"{tmp_path}/map.h5:z", "heights_size": 1.0}
+    if unit:
+        contact = Contact(Scene.typed(**typed))
+        size = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}[unit]
+        assert np.ptp(contact.initial_gap) * 1e-7 == pytest.approx(np.ptp(MAP) * size)
+        with pytest.raises(InputError, match=f"but the file says {unit}"):
+            Scene.typed(**typed, heights_unit="pm")
+
+
 def test_several_arrays_under_the_name_of_one_are_refused(tmp_path):
     with open(tmp_path / "map.npy", "wb") as file:
         np.savez(file, z=np.zeros((4, 4)))
