@@ -159,7 +159,10 @@ class ZonePC:
         matrix = pc.getOperators()[1]
         form = form_of(matrix)
         if form is None:
-            raise InputError(callbacks.NO_JACOBIAN)
+            raise InputError(callbacks.NO_JACOBIAN if matrix.getType() == "mffd" else
+                             f"the linear solves are of a matrix of type {matrix.getType()}, not of"
+                             " the Jacobian that zones are made from: take -pc_type none, or "
+                             "another -snes_type")
         self.precision = precision_of(matrix)
         self.zone = zone(form, self.options, self.precision.begin())
         self._in_library = None

@@ -31,6 +31,7 @@ from contactsnes.options.fields import InputError  # noqa: E402
 from contactsnes.scene.load import Load  # noqa: E402
 from contactsnes.scene.settings import Form, Scene, Steps  # noqa: E402
 from contactsnes.solvers import callbacks  # noqa: E402
+from contactsnes.solvers.preconditioners import ZonePC  # noqa: E402
 from contactsnes.solvers.snes import create_snes  # noqa: E402
 
 SMALL = {"points": 512, "period": 30.0, "normal_maugis": 3.0}
@@ -638,6 +639,15 @@ def test_differences_alone_leave_no_preconditioner_whoever_has_made_it(options, 
                     Load(path="normal_displacement=1"), form=Form(kernels=kernels))
     with pytest.raises(InputError, match="-snes_mf leaves no Jacobian"):
         next(iter(branch))
+
+
+def test_a_matrix_that_is_no_jacobian_is_told_by_its_type():
+    """Parts of one, as -snes_type vinewtonrsls takes, were said to come of -snes_mf."""
+    matrix = PETSc.Mat().createDense(2, comm=PETSc.COMM_SELF)
+    pc = PETSc.PC().create(PETSc.COMM_SELF)
+    pc.setOperators(matrix)
+    with pytest.raises(InputError, match=f"matrix of type {matrix.getType()}.*-pc_type none"):
+        ZonePC().setUp(pc)
 
 
 @pytest.mark.parametrize("law", ("modified", "xu_needleman"))
