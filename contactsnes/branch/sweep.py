@@ -212,15 +212,15 @@ def _run(values, words, path, jobs, done):
 
 def _is_done(path, words):
     """Whether an archive is a case's complete one; what stands in files is for runs to compare."""
-    in_files = any(name == "scene_geometry_file" or ".py:" in words[name] for name in words)
+    if any(name == "scene_geometry_file" or ".py:" in words[name] for name in words):
+        return False
     try:
         record = read(path)
     except ValueError:  # there is none, or one that the run refuses
         return False
-    made = resuming.entries(record.options)
-    # (a default, left out here, is not what was given there)
+    made = resuming.entries(record.options)  # what is a default here may have been given there
     ours = {name for name in made if name.startswith(OURS)} - {"archive_file", "archive_resume"}
-    return not in_files and record.complete and ours <= {*map(str.lower, words)} and all(
+    return record.complete and ours <= {*map(str.lower, words)} and all(
         made.get(name.lower()) == " ".join(value.split()) for name, value in words.items())
 
 

@@ -74,8 +74,6 @@ UNUSABLE = {("snes_type", "aspin"): "it solves on subdomains, of which none are 
                             NO_ENTRIES)}
 """Option, without the prefix of its solver, and value with which PETSc would crash, or go on
 without end, in one version or another -> why: what else cannot be used it says itself."""
-
-
 COUNTING = ("richardson", "chebyshev", "gcr", "preonly")
 """Values of -ksp_type of methods whose solves may end by the number of their iterations."""
 
